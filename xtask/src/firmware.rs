@@ -1,0 +1,120 @@
+//! Builds the boards' firmware and flashes the one that is real hardware.
+
+use crate::elf::Elf;
+use crate::process::{output, present, run};
+use crate::toolchain::{TARGET, Toolchain};
+use crate::{Outcome, project, setup};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A board the firmware is built for.
+pub(crate) struct Board {
+    /// Name of the board, of its binary and of its cargo feature.
+    pub(crate) name: &'static str,
+    /// QEMU's name of the machine, if it emulates it.
+    pub(crate) machine: Option<&'static str>,
+    /// A computer with an operating system, built by the host's compiler.
+    pub(crate) hosted: bool,
+}
+
+/// Every board, in the order of the documentation.
+pub(crate) const BOARDS: [Board; 4] = [
+    Board { name: "qemu-mps2-an500", machine: Some("mps2-an500"), hosted: false },
+    Board { name: "qemu-mps2-an386", machine: Some("mps2-an386"), hosted: false },
+    Board { name: "nucleo-h743zi2", machine: None, hosted: false },
+    Board { name: "rt-pc", machine: None, hosted: true },
+];
+
+/// Name of the real board that `flash` writes to, as probe-rs knows its chip.
+const FLASHED: (&str, &str) = ("nucleo-h743zi2", "STM32H743ZITx");
+
+/// Finds a board by its full name or by the emulator's name for it.
+pub(crate) fn board(name: &str) -> Outcome<&'static Board> {
+    BOARDS.iter().find(|board| board.name == name || board.machine == Some(name)).ok_or_else(|| {
+        let names: Vec<&str> = BOARDS.iter().map(|board| board.name).collect();
+        format!("there is no board `{name}`; there are {}", names.join(", "))
+    })
+}
+
+/// `cargo xtask build [BOARD …]`.
+pub(crate) fn command(arguments: &[String]) -> Outcome {
+    let wanted = arguments.iter().map(|name| board(name)).collect::<Outcome<Vec<_>>>()?;
+    ensure_set_up()?;
+    let wanted = if wanted.is_empty() { BOARDS.iter().collect() } else { wanted };
+    for board in wanted {
+        build(board)?;
+    }
+    Ok(())
+}
+
+/// Builds and lints every board.
+pub(crate) fn check() -> Outcome {
+    let toolchain = Toolchain::ready().ok_or("no firmware toolchain")?;
+    for board in &BOARDS {
+        build(board)?;
+        if board.hosted || !toolchain.has_clippy() {
+            continue;
+        }
+        let mut clippy = cargo(&toolchain, "clippy", board)?;
+        run(clippy.args(["--", "-D", "warnings"]))?;
+    }
+    if !toolchain.has_clippy() {
+        println!(
+            "note: {}, without clippy: the bare-metal files were compiled but not linted",
+            toolchain.describe()
+        );
+    }
+    Ok(())
+}
+
+/// Builds one board's firmware, prints its memory use and returns the ELF file.
+pub(crate) fn build(board: &Board) -> Outcome<PathBuf> {
+    let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
+    run(&mut cargo(&toolchain, "build", board)?)?;
+    let folder =
+        if board.hosted { project::output_folder()? } else { project::firmware_folder()?.join(TARGET) };
+    let elf = folder.join("firmware").join(board.name);
+    if !board.hosted {
+        let (flash, ram) = Elf::read(&elf)?.memory_use();
+        println!("{}: flash {flash} bytes, statics in RAM {ram} bytes", board.name);
+    }
+    Ok(elf)
+}
+
+/// Installs what is missing, silently when nothing is.
+pub(crate) fn ensure_set_up() -> Outcome {
+    if setup::complete() { Ok(()) } else { setup::setup(&[]) }
+}
+
+fn cargo(toolchain: &Toolchain, verb: &str, board: &Board) -> Outcome<Command> {
+    let mut cargo = if board.hosted { Command::new("cargo") } else { toolchain.cargo() };
+    cargo.args([verb, "--package", "eclss-target", "--profile", "firmware"]);
+    cargo.args(["--bin", board.name, "--features", board.name]);
+    if !board.hosted {
+        cargo.args(["--target", TARGET, "--target-dir"]).arg(project::firmware_folder()?);
+    }
+    cargo.current_dir(project::root());
+    Ok(cargo)
+}
+
+/// `cargo xtask flash`: builds the real board's firmware, flashes it and shows its log.
+pub(crate) fn flash(arguments: &[String]) -> Outcome {
+    if let Some(unknown) = arguments.first() {
+        return Err(format!("unknown argument `{unknown}`"));
+    }
+    if !present("probe-rs") {
+        return Err("probe-rs is not installed; it talks to the board's debug probe. \
+             Install it with `cargo install --locked probe-rs-tools`, then repeat"
+            .into());
+    }
+    let probes = output(Command::new("probe-rs").arg("list")).ok_or("`probe-rs list` failed")?;
+    if probes.to_lowercase().contains("no debug probes") {
+        return Err("no debug probe was found. Connect the board by its ST-LINK USB socket; \
+             on Linux probe-rs also needs its udev rules"
+            .into());
+    }
+    ensure_set_up()?;
+    let (name, chip) = FLASHED;
+    let elf = build(board(name)?)?;
+    run(Command::new("probe-rs").args(["run", "--chip", chip]).arg(elf))
+}
