@@ -1,1 +1,53 @@
-//! Placeholder until its part lands.
+//! Life-support fluid networks in hard real time: `no_std`, no heap, `f32`, no panics.
+//!
+//! Three things are kept apart:
+//!
+//! - a **description** ([`Network`]): nodes, lines, elements and parameters; constant data that may sit in flash;
+//! - a **state** (flat `f32` slices owned by a [`Storage`]): small, copyable, hashable;
+//! - a **method** ([`Method`]): advances the state by one fixed step with a fixed sequence of operations.
+//!
+//! [`Simulator`] joins the three. Everything that can be wrong is found by [`Simulator::new`]; a step never
+//! fails, it can only report that the run has left the range in which it may be trusted ([`Health`]).
+//!
+//! ```
+//! use eclss_core::{Method, Settings, Simulator, Storage, example};
+//!
+//! // The ventilation loop of Qiu et al. 2017 with the valve held open: 86.4776 g/s.
+//! let network = example::paper_loop();
+//! let mut storage = Storage::<64, 64, 4, 4>::new();
+//! let settings = Settings { method: Method::Relaxation, step_us: 1_000 };
+//! let mut simulator = Simulator::new(&network, settings, storage.buffers())?;
+//! for _ in 0..30_000 {
+//!     simulator.step();
+//! }
+//! assert!((simulator.line_flow_kg_s(0) - 0.086_477_6).abs() < 1e-6);
+//! # Ok::<(), eclss_core::BuildError>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod air;
+pub mod element;
+pub mod example;
+mod fingerprint;
+pub mod math;
+mod method;
+mod network;
+mod node;
+pub mod operator;
+mod schedule;
+mod simulator;
+mod storage;
+
+pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, StdElement};
+pub use fingerprint::Fingerprint;
+pub use method::{Method, MethodError};
+pub use network::{Active, Line, Network, NetworkError, Segment};
+pub use node::{Node, NodeKind};
+pub use operator::{Margin, Proof};
+pub use schedule::{Interpolation, Schedule, SchedulePoint};
+pub use simulator::{BuildError, Fault, Health, Place, Settings, Simulator};
+pub use storage::{Buffers, Sizes, Storage};

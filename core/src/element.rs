@@ -1,0 +1,221 @@
+//! Elements: what a line is made of, and the one contract that they all keep.
+//!
+//! Every element receives the inlet pressure from upstream and the outlet mass flow from downstream and gives
+//! outlet pressure and inlet mass flow (Qiu et al. 2017, conclusion 3). Its pressure side is a [`Law`], its
+//! mass side a removal fraction.
+//!
+//! Signs: w > 0 from `from` to `to`; head > 0 raises the pressure in the direction of flow; removal > 0 out of
+//! the air.
+
+mod bed;
+mod fan;
+mod head_curve;
+mod heat_exchanger;
+mod pipe;
+mod pump;
+mod reference_pipe;
+mod valve;
+
+pub use bed::Bed;
+pub use fan::Fan;
+pub use head_curve::HeadCurve;
+pub use heat_exchanger::HeatExchanger;
+pub use pipe::Pipe;
+pub use pump::Pump;
+pub use reference_pipe::ReferencePipe;
+pub use valve::Valve;
+
+use crate::Fingerprint;
+
+/// Pressure law of an element around its present flow:
+/// `p_in − p_out = resistance·w·|w| + linear·w − head`.
+///
+/// An element whose law is not of this form gives the one that touches its own at the present flow in value
+/// and slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    /// Quadratic flow resistance R [Pa·s²/kg²], ≥ 0.
+    pub resistance: f32,
+    /// Linear (laminar) flow resistance [Pa·s/kg], ≥ 0.
+    pub linear: f32,
+    /// Head at zero flow [Pa], positive in the direction from `from` to `to`.
+    pub head: f32,
+}
+
+impl Law {
+    /// A law with a quadratic loss only.
+    pub const fn quadratic(resistance: f32) -> Self {
+        Self { resistance, linear: 0.0, head: 0.0 }
+    }
+}
+
+/// What an element may look at when it states its [`Law`].
+#[derive(Debug, Clone, Copy)]
+pub struct Operating<'a> {
+    /// The element's inputs in the order of [`Element::input_spec`].
+    pub inputs: &'a [f32],
+    /// Present mass flow at the element's inlet [kg/s].
+    pub mass_flow_kg_s: f32,
+    /// Present inlet density over the density for which the parameters hold; 1 where density is fixed.
+    pub density_ratio: f32,
+}
+
+/// Name, unit and valid range of one input of an element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputSpec {
+    /// Name within the element, as in `valve.opening`.
+    pub name: &'static str,
+    /// Unit, `1` for a ratio.
+    pub unit: &'static str,
+    /// Smallest allowed value.
+    pub min: f32,
+    /// Largest allowed value.
+    pub max: f32,
+    /// Value when nobody sets it.
+    pub default: f32,
+}
+
+/// Why a parameter was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Reason {
+    /// NaN or infinite.
+    NotFinite,
+    /// Below zero where only zero and more make sense.
+    Negative,
+    /// Zero or below where only more than zero makes sense.
+    NotPositive,
+    /// Outside 0…1.
+    NotAFraction,
+    /// Outside the range for which the law is known.
+    OutsideValidity,
+    /// The head curve does not fall strictly with flow.
+    NotFalling,
+}
+
+/// A parameter that was refused, and why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ParameterError {
+    /// Name of the parameter as in the element's struct.
+    pub parameter: &'static str,
+    /// What is wrong with it.
+    pub reason: Reason,
+}
+
+impl ParameterError {
+    /// Refuses NaN and infinities.
+    pub const fn unless_finite(parameter: &'static str, value: f32) -> Result<(), Self> {
+        if value.is_finite() { Ok(()) } else { Err(Self { parameter, reason: Reason::NotFinite }) }
+    }
+
+    /// Refuses NaN, infinities and values below zero.
+    pub fn unless_not_negative(parameter: &'static str, value: f32) -> Result<(), Self> {
+        Self::unless_finite(parameter, value)?;
+        if value < 0.0 { Err(Self { parameter, reason: Reason::Negative }) } else { Ok(()) }
+    }
+
+    /// Refuses NaN, infinities, zero and values below zero.
+    pub fn unless_positive(parameter: &'static str, value: f32) -> Result<(), Self> {
+        Self::unless_finite(parameter, value)?;
+        if value > 0.0 { Ok(()) } else { Err(Self { parameter, reason: Reason::NotPositive }) }
+    }
+
+    /// Refuses what lies outside 0…1.
+    pub fn unless_fraction(parameter: &'static str, value: f32) -> Result<(), Self> {
+        Self::unless_finite(parameter, value)?;
+        if (0.0..=1.0).contains(&value) {
+            Ok(())
+        } else {
+            Err(Self { parameter, reason: Reason::NotAFraction })
+        }
+    }
+}
+
+/// The contract of an element. A laboratory implements it for its own enum and gets every method for it.
+pub trait Element {
+    /// Name, unit and range of input `index`; `None` from the first index that does not exist.
+    fn input_spec(&self, index: usize) -> Option<InputSpec>;
+
+    /// Whether the law depends on inputs, flow or density; a law that does not is evaluated once, and must be
+    /// purely quadratic.
+    fn is_active(&self) -> bool;
+
+    /// States the pressure law at the present operating point. Never panics and never returns NaN for inputs
+    /// in range.
+    fn law(&self, at: &Operating<'_>) -> Law;
+
+    /// Mass taken out at the element's outlet per mass that leaves it, s in `w_in = (1 + s)·w_out` [≥ 0]. It
+    /// acts on forward flow only: nothing is put back into reversed flow.
+    fn removal(&self) -> f32 {
+        0.0
+    }
+
+    /// Finds the first parameter outside its valid range.
+    fn check(&self) -> Result<(), ParameterError>;
+
+    /// Adds kind and parameters to the network's id.
+    fn feed(&self, hash: &mut Fingerprint);
+}
+
+/// The elements that come with this crate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StdElement {
+    /// Duct, filter or grille with a quadratic loss.
+    Pipe(Pipe),
+    /// Loss known by one measured point and an exponent.
+    ReferencePipe(ReferencePipe),
+    /// Control valve.
+    Valve(Valve),
+    /// Fan.
+    Fan(Fan),
+    /// Pump.
+    Pump(Pump),
+    /// Condensing heat exchanger, as a resistance with condensate taken out.
+    HeatExchanger(HeatExchanger),
+    /// Adsorption bed, as a resistance with a species taken out.
+    Bed(Bed),
+}
+
+/// Calls one method of the element inside, whichever it is.
+macro_rules! each {
+    ($element:expr, $inner:ident => $call:expr) => {
+        match $element {
+            StdElement::Pipe($inner) => $call,
+            StdElement::ReferencePipe($inner) => $call,
+            StdElement::Valve($inner) => $call,
+            StdElement::Fan($inner) => $call,
+            StdElement::Pump($inner) => $call,
+            StdElement::HeatExchanger($inner) => $call,
+            StdElement::Bed($inner) => $call,
+        }
+    };
+}
+
+impl Element for StdElement {
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        each!(self, element => element.input_spec(index))
+    }
+
+    fn is_active(&self) -> bool {
+        each!(self, element => element.is_active())
+    }
+
+    fn law(&self, at: &Operating<'_>) -> Law {
+        each!(self, element => element.law(at))
+    }
+
+    fn removal(&self) -> f32 {
+        each!(self, element => element.removal())
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        each!(self, element => element.check())
+    }
+
+    fn feed(&self, hash: &mut Fingerprint) {
+        each!(self, element => element.feed(hash));
+    }
+}

@@ -1,0 +1,71 @@
+//! Condensing heat exchanger (CHE) as the paper has it: a resistance that takes condensate out.
+//!
+//! `p_in − p_out = R·w_in·|w_in|`, `w_out = w_in − w_d`, `w_d = s·w_out`, `s = ε·x_liq`.
+//!
+//! Source: Qiu et al. 2017, resistance component with mass removal; patent CN105677969B for ε and `x_liq`.
+//! Valid for a given condensate share; heat and moisture themselves are not modelled here.
+
+use super::{Element, InputSpec, Law, Operating, ParameterError};
+use crate::Fingerprint;
+
+/// Fixed data of one condensing heat exchanger.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HeatExchanger {
+    /// Quadratic flow resistance R of the air side [Pa·s²/kg²]; finite and ≥ 0.
+    pub resistance_pa_s2_kg2: f32,
+    /// Mass of liquid per mass of air that leaves, `x_liq` [1]; 0 … 1.
+    pub liquid_fraction: f32,
+    /// Share of the liquid that the separator takes out, ε [1]; 0 … 1.
+    pub separator_efficiency: f32,
+}
+
+impl Element for HeatExchanger {
+    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
+        None
+    }
+
+    fn is_active(&self) -> bool {
+        false
+    }
+
+    fn law(&self, at: &Operating<'_>) -> Law {
+        Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
+    }
+
+    fn removal(&self) -> f32 {
+        self.separator_efficiency * self.liquid_fraction
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_not_negative("resistance_pa_s2_kg2", self.resistance_pa_s2_kg2)?;
+        ParameterError::unless_fraction("liquid_fraction", self.liquid_fraction)?;
+        ParameterError::unless_fraction("separator_efficiency", self.separator_efficiency)
+    }
+
+    fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(6);
+        hash.values(&[self.resistance_pa_s2_kg2, self.liquid_fraction, self.separator_efficiency]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_separated_liquid_leaves_the_air() {
+        let che = HeatExchanger {
+            resistance_pa_s2_kg2: 16_007.0,
+            liquid_fraction: 0.005,
+            separator_efficiency: 0.9,
+        };
+        assert!((che.removal() - 0.0045).abs() < 1e-9);
+        assert!(HeatExchanger { separator_efficiency: 0.0, ..che }.removal().abs() < f32::MIN_POSITIVE);
+        assert_eq!(
+            HeatExchanger { liquid_fraction: 1.5, ..che }.check().unwrap_err().parameter,
+            "liquid_fraction"
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! Pipe by reference data: one measured loss and an exponent.
+//!
+//! `Δp = Δp_ref·(ρ_ref/ρ_in)·(w/w_ref)^n`.
+//!
+//! Source: Qiu et al. 2017, resistance component by reference data. Valid for 1 ≤ n ≤ 2 (laminar to fully
+//! turbulent). The law is given to the methods as the curve `R·w|w| + L·w` that touches it at the present
+//! flow; below a thousandth of the reference flow it is continued by its tangent curve there.
+
+use super::{Element, InputSpec, Law, Operating, ParameterError, Reason};
+use crate::{Fingerprint, math};
+
+/// Smallest flow, as a part of the reference flow, at which the touching curve is taken.
+const SMALLEST_PART: f32 = 1e-3;
+
+/// Fixed data of one element known by a measured point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ReferencePipe {
+    /// Pressure loss at the reference flow and the line's reference density [Pa]; finite and > 0.
+    pub pressure_drop_pa: f32,
+    /// Reference flow `w_ref` [kg/s]; finite and > 0.
+    pub mass_flow_kg_s: f32,
+    /// Exponent n of the flow [1]; 1 … 2.
+    pub exponent: f32,
+}
+
+impl Element for ReferencePipe {
+    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
+        None
+    }
+
+    fn is_active(&self) -> bool {
+        self.exponent < 2.0
+    }
+
+    fn law(&self, at: &Operating<'_>) -> Law {
+        let part = math::larger((at.mass_flow_kg_s / self.mass_flow_kg_s).abs(), SMALLEST_PART);
+        // Chord resistance Δp/w² at this flow; R' and L' match value and slope of the law there.
+        let chord = self.pressure_drop_pa / (self.mass_flow_kg_s * self.mass_flow_kg_s * at.density_ratio)
+            * math::pow(part, self.exponent - 2.0);
+        Law {
+            resistance: (self.exponent - 1.0) * chord,
+            linear: (2.0 - self.exponent) * chord * part * self.mass_flow_kg_s,
+            head: 0.0,
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_positive("pressure_drop_pa", self.pressure_drop_pa)?;
+        ParameterError::unless_positive("mass_flow_kg_s", self.mass_flow_kg_s)?;
+        ParameterError::unless_finite("exponent", self.exponent)?;
+        if !(1.0..=2.0).contains(&self.exponent) {
+            return Err(ParameterError { parameter: "exponent", reason: Reason::OutsideValidity });
+        }
+        let chord = self.pressure_drop_pa / (self.mass_flow_kg_s * self.mass_flow_kg_s);
+        ParameterError::unless_finite("pressure_drop_pa", chord * 1e3)
+    }
+
+    fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(2);
+        hash.values(&[self.pressure_drop_pa, self.mass_flow_kg_s, self.exponent]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drop_pa(pipe: &ReferencePipe, w: f32) -> f32 {
+        let law = pipe.law(&Operating { inputs: &[], mass_flow_kg_s: w, density_ratio: 1.0 });
+        law.resistance * w * w.abs() + law.linear * w - law.head
+    }
+
+    #[test]
+    fn goes_through_its_reference_point_and_scales_with_the_exponent() {
+        let pipe = ReferencePipe { pressure_drop_pa: 40.0, mass_flow_kg_s: 0.05, exponent: 1.8 };
+        assert!((drop_pa(&pipe, 0.05) / 40.0 - 1.0).abs() < 1e-6);
+        assert!((drop_pa(&pipe, 0.1) / drop_pa(&pipe, 0.05) - 2f32.powf(1.8)).abs() < 1e-5);
+        assert!((drop_pa(&pipe, -0.1) + drop_pa(&pipe, 0.1)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_touching_curve_has_the_slope_of_the_law() {
+        let pipe = ReferencePipe { pressure_drop_pa: 40.0, mass_flow_kg_s: 0.05, exponent: 1.4 };
+        for w in [0.001f32, 0.02, 0.3] {
+            let law = pipe.law(&Operating { inputs: &[], mass_flow_kg_s: w, density_ratio: 1.0 });
+            let slope = f64::from(2.0 * law.resistance * w + law.linear);
+            let exact = 1.4 * 40.0 / 0.05 * (f64::from(w) / 0.05).powf(0.4);
+            assert!((slope / exact - 1.0).abs() < 1e-5, "{w}: {slope} against {exact}");
+        }
+    }
+
+    #[test]
+    fn exponent_two_is_a_pipe() {
+        let reference = ReferencePipe { pressure_drop_pa: 40.0, mass_flow_kg_s: 0.05, exponent: 2.0 };
+        assert!(!reference.is_active());
+        assert!((drop_pa(&reference, 0.02) - 40.0 / 0.0025 * 0.0004).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,63 @@
+//! Methods: each advances the state of one description by one fixed step.
+
+pub(crate) mod relaxation;
+
+use crate::element::Element;
+use crate::{Network, Sizes};
+
+/// The methods that exist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Method {
+    /// Explicit Euler on the relaxation system, without the operator: for comparison, diverges when stiff.
+    Euler,
+    /// The paper's method: explicit Euler on the relaxation system with the adaptive operator.
+    Relaxation,
+}
+
+/// Why a method does not take a network with a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MethodError {
+    /// The step is zero or longer than the method allows, in microseconds.
+    Step {
+        /// Longest step [µs].
+        longest_us: u32,
+    },
+    /// A node is too small for this step: `h²·Σ_lines Rg·T/V > 1` makes the unit-rate flow row diverge.
+    NodeTooSmall(u32),
+}
+
+impl Method {
+    /// All methods, in the order in which tables show them.
+    pub const ALL: [Self; 2] = [Self::Euler, Self::Relaxation];
+
+    /// Returns the method's name in files, commands and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Euler => "euler",
+            Self::Relaxation => "relaxation",
+        }
+    }
+
+    /// Returns the method of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    /// Returns the lengths of the buffers that `network` needs with this method.
+    pub fn sizes<E: Element>(self, network: &Network<'_, E>) -> Sizes {
+        let (state, work) = match self {
+            Self::Euler | Self::Relaxation => relaxation::sizes(network),
+        };
+        Sizes { state, work, inputs: network.inputs.len(), cursors: network.schedules.len() }
+    }
+
+    /// Finds out whether the method takes this network with a step of `step_us` [µs].
+    pub fn check<E: Element>(self, network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
+        match self {
+            Self::Euler => relaxation::check(network, step_us, 1_000_000),
+            Self::Relaxation => relaxation::check(network, step_us, 10_000),
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! Relaxation: the paper's system, whose only fixed point is the steady state, by explicit Euler.
+//!
+//! For a line A→B whose flow state w sits on element v, with gauge pressures `q_i = p_i − p_A` behind element
+//! i, and everything behind v folded into the flow row:
+//!
+//! ```text
+//! q_i' = q_{i−1} − q_i + f_i − R_i·a       i < v, q_0 = 0, a = (m_i·w)·|m_i·w|
+//! w'   = φ·(q_{v−1} + p_A − p_B + f − R·w|w|)
+//! p_n += h·Rg·T/V·Σw                        after all lines, with their new flows
+//! ```
+//!
+//! `m_i` is the ratio of the flow at element i to the flow at v; it differs from 1 where mass is taken out and
+//! the flow runs forward. Source: Qiu et al. 2017, Eqs. (10)–(11) in the reading that reproduces the printed
+//! figures; folding and gauge are derived. Valid for h ≤ 10 ms. **Pseudo-time**: transients of this method are
+//! not physics. Volumes and inertances inside lines are not used.
+
+use crate::element::{Element, Operating};
+use crate::operator::{self, FlowRow, Margin};
+use crate::simulator::{Fault, Place};
+use crate::{Line, MethodError, Network, Segment, math};
+
+/// Figures that a step keeps for a line, in the order of the work buffer.
+const LINE_FIGURES: usize = 10;
+
+/// Smallest flow at which a linear loss is turned into a quadratic one [kg/s].
+const SMALLEST_FLOW: f32 = 1e-6;
+
+pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
+    let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
+    (2 * (nodes + lines + segments), 3 * nodes + LINE_FIGURES * lines + 3 * segments)
+}
+
+pub(crate) fn check<E: Element>(
+    network: &Network<'_, E>,
+    step_us: u32,
+    longest_us: u32,
+) -> Result<(), MethodError> {
+    if step_us == 0 || step_us > longest_us {
+        return Err(MethodError::Step { longest_us });
+    }
+    let h = step_us as f32 * 1e-6;
+    for (index, node) in (0u32..).zip(network.nodes) {
+        // A loop that starts and ends here moves this node only by what it loses.
+        let lines = network.lines.iter().filter(|line| (line.from == index) != (line.to == index)).count();
+        if h * h * node.pressure_per_mass_pa_kg() * lines as f32 > 1.0 {
+            return Err(MethodError::NodeTooSmall(index));
+        }
+    }
+    Ok(())
+}
+
+/// The state buffer by name.
+struct State<'s> {
+    mass: &'s mut [f32],
+    mass_carry: &'s mut [f32],
+    flow: &'s mut [f32],
+    flow_carry: &'s mut [f32],
+    gauge: &'s mut [f32],
+    gauge_carry: &'s mut [f32],
+}
+
+impl<'s> State<'s> {
+    fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Option<Self> {
+        let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
+        let (mass, rest) = buffer.split_at_mut_checked(nodes)?;
+        let (mass_carry, rest) = rest.split_at_mut_checked(nodes)?;
+        let (flow, rest) = rest.split_at_mut_checked(lines)?;
+        let (flow_carry, rest) = rest.split_at_mut_checked(lines)?;
+        let (gauge, rest) = rest.split_at_mut_checked(segments)?;
+        let (gauge_carry, _) = rest.split_at_mut_checked(segments)?;
+        Some(Self { mass, mass_carry, flow, flow_carry, gauge, gauge_carry })
+    }
+}
+
+/// The work buffer by name.
+struct Work<'w> {
+    /// Node pressures [Pa gauge].
+    pressure: &'w mut [f32],
+    /// dp/dm of every node [Pa/kg].
+    per_mass: &'w mut [f32],
+    /// Net flow into every node [kg/s].
+    net: &'w mut [f32],
+    /// Sums over each line's segments.
+    lines: &'w mut [[f32; LINE_FIGURES]],
+    /// Resistance of each row.
+    resistance: &'w mut [f32],
+    /// Head of each row.
+    head: &'w mut [f32],
+    /// `m_i² − 1` of each row.
+    excess: &'w mut [f32],
+}
+
+impl<'w> Work<'w> {
+    fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Option<Self> {
+        let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
+        let (pressure, rest) = buffer.split_at_mut_checked(nodes)?;
+        let (per_mass, rest) = rest.split_at_mut_checked(nodes)?;
+        let (net, rest) = rest.split_at_mut_checked(nodes)?;
+        let (figures, rest) = rest.split_at_mut_checked(lines * LINE_FIGURES)?;
+        let (resistance, rest) = rest.split_at_mut_checked(segments)?;
+        let (head, rest) = rest.split_at_mut_checked(segments)?;
+        let (excess, _) = rest.split_at_mut_checked(segments)?;
+        let (lines, _) = figures.as_chunks_mut();
+        Some(Self { pressure, per_mass, net, lines, resistance, head, excess })
+    }
+}
+
+/// Sets the start state and everything that stays constant during a run.
+pub(crate) fn start<E: Element>(
+    network: &Network<'_, E>,
+    state: &mut [f32],
+    work: &mut [f32],
+    inputs: &[f32],
+) -> Option<()> {
+    state.fill(0.0);
+    work.fill(0.0);
+    let state = State::of(network, state)?;
+    let work = Work::of(network, work)?;
+    for ((node, pressure), per_mass) in network.nodes.iter().zip(work.pressure).zip(work.per_mass) {
+        *pressure = node.start_gauge_pa;
+        *per_mass = node.pressure_per_mass_pa_kg();
+    }
+    for ((line, flow), figures) in network.lines.iter().zip(state.flow).zip(work.lines) {
+        *flow = line.start_flow_kg_s;
+        let segments = network.segments_of(line);
+        let place = line.flow_segment as usize;
+        // Ratio of the flow at each segment's inlet to the flow at the flow segment.
+        let mut ratio: f32 = segments.get(..place)?.iter().map(|s| 1.0 + s.element.removal()).product();
+        let range = line.first_segment as usize..line.first_segment as usize + segments.len();
+        let rows = work.resistance.get_mut(range.clone())?.iter_mut();
+        let rows = rows.zip(work.head.get_mut(range.clone())?).zip(work.excess.get_mut(range)?);
+        let [rows_sum, _, fold, _, fold_plain, _, fold_head, _, inlet, outlet] = figures;
+        *inlet = ratio;
+        for ((index, segment), ((resistance, head), excess)) in segments.iter().enumerate().zip(rows) {
+            *excess = ratio * ratio - 1.0;
+            if !segment.element.is_active() {
+                let law = segment.element.law(&operating(segment, inputs, 0.0));
+                if index < place {
+                    (*resistance, *head) = (law.resistance, law.head);
+                    *rows_sum += law.resistance * (1.0 + *excess);
+                } else {
+                    *fold += law.resistance * (1.0 + *excess);
+                    *fold_plain += law.resistance;
+                    *fold_head += law.head;
+                }
+            }
+            ratio /= 1.0 + segment.element.removal();
+        }
+        *outlet = ratio;
+    }
+    Some(())
+}
+
+fn operating<'i, E: Element>(segment: &Segment<E>, inputs: &'i [f32], mass_flow_kg_s: f32) -> Operating<'i> {
+    let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+    Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 }
+}
+
+/// Advances by `h` [s]. `stabilised` switches the operator on. Returns the margin of this step and the first
+/// value that left its range.
+pub(crate) fn step<E: Element>(
+    network: &Network<'_, E>,
+    h: f32,
+    stabilised: bool,
+    state: &mut [f32],
+    work: &mut [f32],
+    inputs: &[f32],
+) -> (Margin, Option<Place>) {
+    let (Some(mut state), Some(mut work)) = (State::of(network, state), Work::of(network, work)) else {
+        return (Margin::FREE, None);
+    };
+    refresh(network, inputs, &state, &mut work);
+    work.net.fill(0.0);
+    let mut margin = Margin::FREE;
+    let mut place = None;
+    for (index, line) in (0u32..).zip(network.lines) {
+        margin = margin.with(step_line(index as usize, line, h, stabilised, &mut state, &mut work));
+        if state.flow.get(index as usize).is_none_or(|flow| !(flow.abs() <= Fault::FLOW_LIMIT_KG_S)) {
+            place = place.or(Some(Place::Line(index)));
+        }
+    }
+    let nodes =
+        state.mass.iter_mut().zip(state.mass_carry).zip(work.pressure).zip(work.per_mass).zip(work.net);
+    for (((((mass, carry), pressure), per_mass), net), (index, node)) in
+        nodes.zip((0u32..).zip(network.nodes))
+    {
+        math::compensated_add(mass, carry, h * *net);
+        *pressure = node.start_gauge_pa + *per_mass * *mass;
+        if !(pressure.abs() <= Fault::GAUGE_LIMIT_PA) {
+            place = place.or(Some(Place::Node(index)));
+        }
+    }
+    (margin, place)
+}
+
+/// Evaluates the laws that may have changed.
+fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'_>, work: &mut Work<'_>) {
+    for [_, rows, _, fold, _, fold_plain, _, fold_head, _, _] in work.lines.iter_mut() {
+        (*rows, *fold, *fold_plain, *fold_head) = (0.0, 0.0, 0.0, 0.0);
+    }
+    for active in network.active {
+        let (place, line) = (active.segment as usize, active.line as usize);
+        let (
+            Some(segment),
+            Some(line),
+            Some(figures),
+            Some(&flow),
+            Some(resistance),
+            Some(head),
+            Some(&excess),
+        ) = (
+            network.segments.get(place),
+            network.lines.get(line),
+            work.lines.get_mut(line),
+            state.flow.get(line),
+            work.resistance.get_mut(place),
+            work.head.get_mut(place),
+            work.excess.get(place),
+        )
+        else {
+            continue;
+        };
+        let law = segment.element.law(&operating(segment, inputs, flow));
+        let quadratic = law.resistance + law.linear / math::larger(flow.abs(), SMALLEST_FLOW);
+        let [_, rows, _, fold, _, fold_plain, _, fold_head, _, _] = figures;
+        if active.segment - line.first_segment < line.flow_segment {
+            (*resistance, *head) = (quadratic, law.head);
+            *rows += quadratic * (1.0 + excess);
+        } else {
+            *fold += quadratic * (1.0 + excess);
+            *fold_plain += quadratic;
+            *fold_head += law.head;
+        }
+    }
+}
+
+/// One line: its rows with the flow of the step's start, then its flow, then what it moves between its nodes.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the only loop over lines")]
+fn step_line(
+    index: usize,
+    line: &Line,
+    h: f32,
+    stabilised: bool,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) -> Margin {
+    let (from, to) = (line.from as usize, line.to as usize);
+    let first = line.first_segment as usize;
+    let rows = first..first + line.flow_segment as usize;
+    let (Some(figures), Some(flow), Some(flow_carry), Some(&p_from), Some(&p_to)) = (
+        work.lines.get(index),
+        state.flow.get_mut(index),
+        state.flow_carry.get_mut(index),
+        work.pressure.get(from),
+        work.pressure.get(to),
+    ) else {
+        return Margin::FREE;
+    };
+    let (Some(gauge), Some(carry), Some(resistance), Some(head), Some(excess)) = (
+        state.gauge.get_mut(rows.clone()),
+        state.gauge_carry.get_mut(rows.clone()),
+        work.resistance.get(rows.clone()),
+        work.head.get(rows.clone()),
+        work.excess.get(rows),
+    ) else {
+        return Margin::FREE;
+    };
+    let w = *flow;
+    let forward = w > 0.0;
+    let others = figures[0] + figures[1];
+    let folded = if forward { figures[2] + figures[3] } else { figures[4] + figures[5] };
+
+    // w|w|, linear below the flow at which the whole line's loss is `laminar_below_pa`
+    let laminar = math::sqrt(line.laminar_below_pa / (others + folded));
+    let size = math::larger(w.abs(), laminar);
+    let square = w * size;
+    let square_forward = if forward { square } else { 0.0 };
+
+    let mut before = 0.0;
+    let coefficients = resistance.iter().zip(head).zip(excess);
+    for ((q, c), ((&r, &f), &x)) in gauge.iter_mut().zip(carry).zip(coefficients) {
+        let rate = before - *q + f - r * (square + x * square_forward);
+        before = *q;
+        math::compensated_add(q, c, h * rate);
+    }
+
+    let row = FlowRow { step: h, flow: size, own: folded, others, rows: line.flow_segment as f32 };
+    let phi = if stabilised { operator::phi(row.stiffness()) } else { 1.0 };
+    let driving = before + (p_from - p_to) + (figures[6] + figures[7]);
+    math::compensated_add(flow, flow_carry, h * phi * (driving - folded * square));
+
+    let (inlet, outlet) = if *flow > 0.0 { (figures[8] * *flow, figures[9] * *flow) } else { (*flow, *flow) };
+    if let Some(net) = work.net.get_mut(from) {
+        *net -= inlet;
+    }
+    if let Some(net) = work.net.get_mut(to) {
+        *net += outlet;
+    }
+    row.margin(phi)
+}
+
+/// Reads figures of the present state for a report.
+pub(crate) struct View<'v, 'n, E> {
+    network: &'v Network<'n, E>,
+    state: &'v [f32],
+    work: &'v [f32],
+}
+
+impl<'v, 'n, E: Element> View<'v, 'n, E> {
+    pub(crate) fn new(network: &'v Network<'n, E>, state: &'v [f32], work: &'v [f32]) -> Self {
+        Self { network, state, work }
+    }
+
+    fn state_at(&self, index: usize) -> f32 {
+        self.state.get(index).copied().unwrap_or(f32::NAN)
+    }
+
+    fn work_at(&self, index: usize) -> f32 {
+        self.work.get(index).copied().unwrap_or(f32::NAN)
+    }
+
+    /// Gauge pressure of a node [Pa].
+    pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
+        self.work_at(node)
+    }
+
+    /// Flow of a line at its flow segment [kg/s].
+    pub(crate) fn line_flow_kg_s(&self, line: usize) -> f32 {
+        self.state_at(2 * self.network.nodes.len() + line)
+    }
+
+    /// Flow at a segment's inlet [kg/s].
+    pub(crate) fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
+        let w = self.line_flow_kg_s(line);
+        if w > 0.0 { w * math::sqrt(1.0 + self.segment_figure(2, segment)) } else { w }
+    }
+
+    /// Resistance (0), head (1) or `m² − 1` (2) of a segment.
+    fn segment_figure(&self, figure: usize, segment: usize) -> f32 {
+        let lines = 3 * self.network.nodes.len() + LINE_FIGURES * self.network.lines.len();
+        self.work_at(lines + figure * self.network.segments.len() + segment)
+    }
+
+    /// Gauge pressure at a segment's outlet [Pa]: its own state up to the flow segment, and from there on back
+    /// from the line's end. `inputs` are those of the last step.
+    pub(crate) fn outlet_gauge_pa(&self, line: usize, segment: usize, inputs: &[f32]) -> f32 {
+        let Some(description) = self.network.lines.get(line) else { return f32::NAN };
+        let first = description.first_segment as usize;
+        if segment < first + description.flow_segment as usize {
+            let gauges = 2 * (self.network.nodes.len() + self.network.lines.len());
+            return self.node_gauge_pa(description.from as usize) + self.state_at(gauges + segment);
+        }
+        let mut pressure = self.node_gauge_pa(description.to as usize);
+        let behind = self.network.segments_of(description).get(segment + 1 - first..).unwrap_or(&[]);
+        for (offset, behind) in behind.iter().enumerate().rev() {
+            let w = self.segment_flow_kg_s(line, segment + 1 + offset);
+            let law = behind.element.law(&operating(behind, inputs, w));
+            pressure += law.resistance * w * w.abs() + law.linear * w - law.head;
+        }
+        pressure
+    }
+}

@@ -1,0 +1,311 @@
+//! Description of a network: nodes store, lines carry.
+//!
+//! A line is a series of elements between two nodes (which may be the same one, a loop through a cabin). All
+//! of it is constant data in slices: on a board static tables in flash, on a host vectors. Names live outside,
+//! with whoever made the description.
+
+use crate::element::{Element, Operating, ParameterError, Reason, StdElement};
+use crate::{Fingerprint, Node, Schedule, SchedulePoint};
+
+/// One element at its place in a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Segment<E = StdElement> {
+    /// The element.
+    pub element: E,
+    /// Inertance I = L/A of the fluid column in the element [1/m]; finite and ≥ 0.
+    pub inertance_per_m: f32,
+    /// Volume at the element's outlet [m³]; finite and ≥ 0.
+    pub outlet_volume_m3: f32,
+    /// Slot of the element's first input in the network's inputs.
+    pub first_input: u32,
+}
+
+/// A series of elements between two nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Line {
+    /// Node at the inlet.
+    pub from: u32,
+    /// Node at the outlet.
+    pub to: u32,
+    /// First of the line's segments.
+    pub first_segment: u32,
+    /// Number of segments, ≥ 1.
+    pub segments: u32,
+    /// Which of them, counted from the line's first, carries the line's flow state in `relaxation`: the
+    /// stiffest, normally the valve.
+    pub flow_segment: u32,
+    /// Driving pressure below which the line's law is linear, `y_lin` [Pa]; finite and ≥ 0.
+    pub laminar_below_pa: f32,
+    /// Mass flow at the start [kg/s], finite.
+    pub start_flow_kg_s: f32,
+}
+
+/// A segment whose law changes during a run and the line that it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Active {
+    /// The segment.
+    pub segment: u32,
+    /// Its line.
+    pub line: u32,
+}
+
+/// The whole description, borrowed. Generic over the element set, with ours as the default.
+#[derive(Debug, Clone, Copy)]
+pub struct Network<'a, E = StdElement> {
+    /// Pressure from which all gauge pressures count [Pa]; finite and ≥ 0.
+    pub reference_pa: f32,
+    /// Nodes.
+    pub nodes: &'a [Node],
+    /// Lines.
+    pub lines: &'a [Line],
+    /// Segments of all lines, in line order.
+    pub segments: &'a [Segment<E>],
+    /// All segments with an active element, in segment order.
+    pub active: &'a [Active],
+    /// Start value of every input slot.
+    pub inputs: &'a [f32],
+    /// Schedules, each for another input slot.
+    pub schedules: &'a [Schedule],
+    /// Points of all schedules, in schedule order.
+    pub points: &'a [SchedulePoint],
+}
+
+/// Why a description was refused, with the index of the thing at fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NetworkError {
+    /// There is no node or no line.
+    Empty,
+    /// The reference pressure is not finite or negative.
+    Reference(ParameterError),
+    /// A parameter of a node.
+    Node(u32, ParameterError),
+    /// No line reaches a node.
+    UnconnectedNode(u32),
+    /// A line names a node that does not exist.
+    NoSuchNode(u32),
+    /// A line has no segment, or its segments do not follow those of the line before.
+    SegmentRange(u32),
+    /// A line's flow segment lies outside it.
+    FlowSegment(u32),
+    /// A parameter of a line.
+    Line(u32, ParameterError),
+    /// A line loses no pressure at any flow, so its flow has no value.
+    LineWithoutLoss(u32),
+    /// A parameter of a segment or of its element.
+    Segment(u32, ParameterError),
+    /// A segment's inputs lie outside the network's inputs.
+    InputRange(u32),
+    /// The start value of a segment's input is out of the input's range.
+    InputValue(u32),
+    /// The list of active segments is not the one that follows from the segments.
+    ActiveList,
+    /// A schedule's input, points or times do not fit; its index.
+    Schedule(u32),
+}
+
+impl<E: Element> Network<'_, E> {
+    /// Finds the first thing wrong with the description.
+    pub fn check(&self) -> Result<(), NetworkError> {
+        if self.nodes.is_empty() || self.lines.is_empty() {
+            return Err(NetworkError::Empty);
+        }
+        ParameterError::unless_not_negative("reference_pa", self.reference_pa)
+            .map_err(NetworkError::Reference)?;
+        for (index, node) in (0u32..).zip(self.nodes) {
+            node.check().map_err(|error| NetworkError::Node(index, error))?;
+            if !self.lines.iter().any(|line| line.from == index || line.to == index) {
+                return Err(NetworkError::UnconnectedNode(index));
+            }
+        }
+        let mut active = self.active.iter();
+        let mut next = 0u32;
+        for (index, line) in (0u32..).zip(self.lines) {
+            let segments = self.check_line(index, line, next)?;
+            for (place, segment) in (next..).zip(segments) {
+                self.check_segment(place, segment)?;
+                let expected = Active { segment: place, line: index };
+                if segment.element.is_active() && active.next() != Some(&expected) {
+                    return Err(NetworkError::ActiveList);
+                }
+            }
+            self.check_laws(index, next, segments)?;
+            next += line.segments;
+        }
+        if active.next().is_some() {
+            return Err(NetworkError::ActiveList);
+        }
+        if next as usize != self.segments.len() {
+            return Err(NetworkError::SegmentRange(self.lines.len() as u32));
+        }
+        self.check_schedules()
+    }
+
+    fn check_line(&self, index: u32, line: &Line, next: u32) -> Result<&[Segment<E>], NetworkError> {
+        let nodes = self.nodes.len();
+        if line.from as usize >= nodes || line.to as usize >= nodes {
+            return Err(NetworkError::NoSuchNode(index));
+        }
+        let first = line.first_segment as usize;
+        let range = first..first.saturating_add(line.segments as usize);
+        let segments = self.segments.get(range).filter(|list| line.first_segment == next && !list.is_empty());
+        let segments = segments.ok_or(NetworkError::SegmentRange(index))?;
+        if line.flow_segment >= line.segments {
+            return Err(NetworkError::FlowSegment(index));
+        }
+        ParameterError::unless_not_negative("laminar_below_pa", line.laminar_below_pa)
+            .and(ParameterError::unless_finite("start_flow_kg_s", line.start_flow_kg_s))
+            .map_err(|error| NetworkError::Line(index, error))?;
+        Ok(segments)
+    }
+
+    /// Laws at start values: their sum must resist, and one that is never asked again must be quadratic.
+    fn check_laws(&self, line: u32, first: u32, segments: &[Segment<E>]) -> Result<(), NetworkError> {
+        let mut loss = 0.0;
+        for (place, segment) in (first..).zip(segments) {
+            let inputs = self.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+            let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 });
+            if !segment.element.is_active() && law.linear > 0.0 {
+                let error = ParameterError { parameter: "linear", reason: Reason::OutsideValidity };
+                return Err(NetworkError::Segment(place, error));
+            }
+            loss += law.resistance + law.linear;
+        }
+        if loss > 0.0 { Ok(()) } else { Err(NetworkError::LineWithoutLoss(line)) }
+    }
+
+    fn check_segment(&self, place: u32, segment: &Segment<E>) -> Result<(), NetworkError> {
+        segment
+            .element
+            .check()
+            .and(ParameterError::unless_not_negative("inertance_per_m", segment.inertance_per_m))
+            .and(ParameterError::unless_not_negative("outlet_volume_m3", segment.outlet_volume_m3))
+            .map_err(|error| NetworkError::Segment(place, error))?;
+        let mut slot = segment.first_input as usize;
+        let mut index = 0;
+        while let Some(spec) = segment.element.input_spec(index) {
+            let value = self.inputs.get(slot).ok_or(NetworkError::InputRange(place))?;
+            if !(spec.min..=spec.max).contains(value) {
+                return Err(NetworkError::InputValue(place));
+            }
+            index += 1;
+            slot += 1;
+        }
+        Ok(())
+    }
+
+    fn check_schedules(&self) -> Result<(), NetworkError> {
+        let mut next = 0usize;
+        for (index, schedule) in (0u32..).zip(self.schedules) {
+            let points = self.points.get(next..next.saturating_add(schedule.points as usize));
+            let earlier = self.schedules.get(..index as usize).unwrap_or(&[]);
+            let fits = schedule.first_point as usize == next
+                && (schedule.input as usize) < self.inputs.len()
+                && !earlier.iter().any(|other| other.input == schedule.input)
+                && points.is_some_and(|points| {
+                    !points.is_empty()
+                        && points.iter().all(|point| point.value.is_finite())
+                        && points.windows(2).all(|pair| matches!(pair, [a, b] if a.time_us <= b.time_us))
+                });
+            if !fits {
+                return Err(NetworkError::Schedule(index));
+            }
+            next += schedule.points as usize;
+        }
+        if next == self.points.len() {
+            Ok(())
+        } else {
+            Err(NetworkError::Schedule(self.schedules.len() as u32))
+        }
+    }
+
+    /// Returns the network id: a hash over every parameter, connection and schedule, the same for the same
+    /// description on every machine.
+    pub fn id(&self) -> u64 {
+        let mut hash = Fingerprint::default();
+        hash.value(self.reference_pa);
+        for node in self.nodes {
+            node.feed(&mut hash);
+        }
+        for line in self.lines {
+            for word in [line.from, line.to, line.first_segment, line.segments, line.flow_segment] {
+                hash.word(word);
+            }
+            hash.values(&[line.laminar_below_pa, line.start_flow_kg_s]);
+        }
+        for segment in self.segments {
+            segment.element.feed(&mut hash);
+            hash.values(&[segment.inertance_per_m, segment.outlet_volume_m3]);
+            hash.word(segment.first_input);
+        }
+        hash.values(self.inputs);
+        for schedule in self.schedules {
+            schedule.feed(&mut hash);
+        }
+        for point in self.points {
+            point.feed(&mut hash);
+        }
+        hash.finish()
+    }
+
+    /// Returns the segments of a line; empty for a line that failed [`Self::check`].
+    pub fn segments_of(&self, line: &Line) -> &[Segment<E>] {
+        let first = line.first_segment as usize;
+        self.segments.get(first..first.saturating_add(line.segments as usize)).unwrap_or(&[])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Pipe;
+    use crate::{NodeKind, example};
+
+    #[test]
+    fn the_example_is_accepted() {
+        assert_eq!(example::paper_loop().check(), Ok(()));
+    }
+
+    #[test]
+    fn every_parameter_bit_counts_for_the_id() {
+        let network = example::paper_loop();
+        let id = network.id();
+        for index in 0..network.nodes.len() {
+            let mut nodes = [network.nodes[0]];
+            nodes[index].temperature_k = f32::from_bits(nodes[index].temperature_k.to_bits() ^ 1);
+            assert_ne!(Network { nodes: &nodes, ..network }.id(), id);
+        }
+        let mut lines = [network.lines[0]];
+        lines[0].start_flow_kg_s = f32::from_bits(lines[0].start_flow_kg_s.to_bits() ^ 1);
+        assert_ne!(Network { lines: &lines, ..network }.id(), id);
+    }
+
+    #[test]
+    fn faults_are_found_and_named() {
+        let network = example::paper_loop();
+        let line = network.lines[0];
+        let with_line = |line: Line| {
+            let lines = [line];
+            Network { lines: &lines, ..network }.check()
+        };
+        assert_eq!(with_line(Line { to: 7, ..line }), Err(NetworkError::NoSuchNode(0)));
+        assert_eq!(with_line(Line { segments: 9, ..line }), Err(NetworkError::SegmentRange(0)));
+        assert_eq!(with_line(Line { segments: 0, ..line }), Err(NetworkError::SegmentRange(0)));
+        assert_eq!(with_line(Line { flow_segment: 6, ..line }), Err(NetworkError::FlowSegment(0)));
+        let error = with_line(Line { laminar_below_pa: f32::NAN, ..line }).unwrap_err();
+        assert!(matches!(error, NetworkError::Line(0, ParameterError { reason: Reason::NotFinite, .. })));
+
+        let mut segments: std::vec::Vec<_> = network.segments.to_vec();
+        segments[2].element = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: -1.0 });
+        let error = Network { segments: &segments, ..network }.check().unwrap_err();
+        assert!(matches!(error, NetworkError::Segment(2, ParameterError { reason: Reason::Negative, .. })));
+
+        let nodes = [network.nodes[0], Node { kind: NodeKind::Boundary, ..network.nodes[0] }];
+        assert_eq!(Network { nodes: &nodes, ..network }.check(), Err(NetworkError::UnconnectedNode(1)));
+        assert_eq!(Network { active: &[], ..network }.check(), Err(NetworkError::ActiveList));
+        assert_eq!(Network { inputs: &[], ..network }.check(), Err(NetworkError::InputRange(1)));
+    }
+}
