@@ -43,7 +43,7 @@ static SEGMENTS: [Segment; 6] = [
     segment(pipe(4_577.822), 1),
     segment(
         StdElement::Valve(Valve {
-            open_resistance_pa_s2_kg2: 85.978_462,
+            open_resistance_pa_s2_kg2: 85.978_46,
             exponent: 3.134_165,
             leakage_opening: 1e-3,
         }),

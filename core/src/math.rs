@@ -27,15 +27,20 @@ pub fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// Returns whether `value` is outside ±`limit` or is NaN.
+pub fn beyond(value: f32, limit: f32) -> bool {
+    value.abs() > limit || value.is_nan()
+}
+
 /// 1.5·2²³: adding and subtracting it rounds an `f32` of magnitude below 2²² to the nearest integer.
 const ROUND: f32 = 12_582_912.0;
 /// Coefficients of `log2(m)/s` in z = s², s = (m−1)/(m+1): 2/(ln 2·(2k+1)) (artanh series).
-const LOG2: [f32; 5] = [2.885_390_1, 0.961_796_7, 0.577_078_04, 0.412_198_58, 0.320_598_9];
+const LOG2: [f32; 5] = [2.885_39, 0.961_796_7, 0.577_078_04, 0.412_198_58, 0.320_598_9];
 /// Coefficients of 2^x: (ln 2)^k/k! (exponential series).
 const EXP2: [f32; 8] = [
     1.0,
-    0.693_147_2,
-    0.240_226_51,
+    core::f32::consts::LN_2,
+    0.240_226_5,
     0.055_504_11,
     0.009_618_129,
     0.001_333_355_8,
@@ -51,7 +56,7 @@ pub fn pow(x: f32, exponent: f32) -> f32 {
     // x = 2^e·m with m in [√½, √2)
     let bits = x.to_bits();
     let above_sqrt2 = (bits & 0x007f_ffff) > 0x0035_04f3;
-    let e = (bits >> 23) as i32 - 127 + i32::from(above_sqrt2);
+    let e = (bits >> 23).cast_signed() - 127 + i32::from(above_sqrt2);
     let m = f32::from_bits((bits & 0x007f_ffff) | if above_sqrt2 { 0x3f00_0000 } else { 0x3f80_0000 });
     let s = (m - 1.0) / (m + 1.0);
     let z = s * s;

@@ -4,7 +4,7 @@
 //!
 //! Derived here: a line of v rows `q_i' = q_{i−1} − q_i − R_i·w|w|` and one flow row
 //! `w' = φ·(q_v − R·w|w|)` is scaled by a diagonal similarity that makes every row sum at most 1 − h·η. With
-//! A = 2φ·R·|w|, B = 2φ·ΣR_i·|w| the largest such η for which Bernoulli's inequality gives a closed form is
+//! `A = 2φ·R·|w|`, `B = 2φ·ΣR_i·|w|` the largest such η for which Bernoulli's inequality gives a closed form is
 //! `η = 2(A − B)/((1 + vA) + √((1 − vA)² + 4vB))`. By Gershgorin's theorem no eigenvalue of I + h·J then lies
 //! outside the disc of radius 1 − h·η. It is a proof of stability where A > B, that is where the flow row's
 //! resistance exceeds that of all other rows. The ends of the line are taken as held, and h ≤ 1 in units of

@@ -24,6 +24,7 @@ mod arm {
 }
 
 /// Returns √x, correctly rounded; NaN for negative `x`, −0 for −0.
+#[must_use]
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "one instruction; a call would cost more than the work")]
 pub fn sqrt(x: f32) -> f32 {

@@ -175,7 +175,7 @@ pub(crate) fn step<E: Element>(
     let mut place = None;
     for (index, line) in (0u32..).zip(network.lines) {
         margin = margin.with(step_line(index as usize, line, h, stabilised, &mut state, &mut work));
-        if state.flow.get(index as usize).is_none_or(|flow| !(flow.abs() <= Fault::FLOW_LIMIT_KG_S)) {
+        if state.flow.get(index as usize).is_none_or(|flow| math::beyond(*flow, Fault::FLOW_LIMIT_KG_S)) {
             place = place.or(Some(Place::Line(index)));
         }
     }
@@ -186,7 +186,7 @@ pub(crate) fn step<E: Element>(
     {
         math::compensated_add(mass, carry, h * *net);
         *pressure = node.start_gauge_pa + *per_mass * *mass;
-        if !(pressure.abs() <= Fault::GAUGE_LIMIT_PA) {
+        if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
             place = place.or(Some(Place::Node(index)));
         }
     }
