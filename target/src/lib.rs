@@ -1,1 +1,17 @@
-//! Placeholder until its part lands.
+//! The application of eclss-rt on a microcontroller or a real-time PC: one loop, and one file per board.
+//!
+//! [`control::run`] is the loop. It knows a board only through [`board::Board`] and the simulated plant only
+//! through [`plant::Plant`], so that all of its behaviour (grid, overruns, going safe) is tested on the host.
+#![cfg_attr(target_os = "none", no_std)]
+
+pub mod account;
+pub mod board;
+pub mod boards;
+pub mod control;
+pub mod fault;
+#[cfg(target_os = "none")]
+pub mod journal;
+#[cfg(target_os = "none")]
+pub mod machine;
+pub mod plant;
+pub mod schedule;

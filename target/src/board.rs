@@ -1,0 +1,52 @@
+//! The one seam between the application and a board.
+
+use embassy_time::{Instant, Timer};
+
+/// Why the processor started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResetReason {
+    /// Power came on or someone pressed reset.
+    PowerOn,
+    /// The watchdog was not fed in time.
+    Watchdog,
+    /// The firmware stopped itself; the record says what it had noted before.
+    Fault(crate::fault::Fault),
+}
+
+/// How much of the stack has ever been used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StackUse {
+    /// Bytes there are.
+    pub size: u32,
+    /// Bytes used at the deepest moment since start-up.
+    pub deepest: u32,
+}
+
+/// What the loop needs of a board. No method may wait for hardware: a tick must never hang on a peripheral.
+pub trait Board {
+    /// Rate of [`Board::counter`] \[Hz\].
+    const COUNTER_HZ: u32;
+
+    /// The board's name, as `cargo xtask` knows it.
+    fn name(&self) -> &'static str;
+    /// Time since start-up \[µs\].
+    fn now_us(&self) -> u64 {
+        Instant::now().as_micros()
+    }
+    /// Sleeps until `at_us` \[µs since start-up\]; not at all when that is past.
+    fn sleep_until(&mut self, at_us: u64) -> impl Future<Output = ()> {
+        Timer::at(Instant::from_micros(at_us))
+    }
+    /// A free-running counter for execution times; wraps.
+    fn counter(&self) -> u32;
+    /// Fills in the newest samples, one per input channel, in the channel's unit. Channels that the board
+    /// does not have keep their value.
+    fn read_inputs(&mut self, inputs: &mut [f32]);
+    /// Hands over one value per output channel, in the channel's unit.
+    fn write_outputs(&mut self, outputs: &[f32]);
+    /// Puts every output into the state in which connected hardware is harmless. May be called at any time
+    /// and any number of times.
+    fn safe_outputs(&mut self);
+    /// Tells the watchdog that the loop lives; called once a tick.
+    fn feed_watchdog(&mut self);
+}

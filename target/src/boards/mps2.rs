@@ -1,0 +1,131 @@
+//! ARM's MPS2 boards with the AN386 (Cortex-M4F) and AN500 (Cortex-M7) images, as QEMU emulates them.
+//!
+//! Their peripherals are alike, so that one file serves both. Under `-icount shift=5` an instruction takes
+//! 32 ns of guest time and the 25 MHz timers count 40 ns: 5 instructions are 4 counts.
+//!
+//! Source: ARM DAI 0386 and DAI 0400 (memory and interrupt maps), ARM DDI 0479 (CMSDK peripherals).
+
+mod registers;
+mod semihosting;
+mod timer;
+mod vectors;
+
+use crate::board::{Board, ResetReason};
+use crate::control::{self, Event, Settings};
+use crate::plant::StandIn;
+use crate::{journal, machine};
+use core::num::NonZeroU32;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use embassy_executor::InterruptExecutor;
+use heapless::spsc::{Producer, Queue};
+use registers::{LED, write};
+use static_cell::StaticCell;
+
+/// Events between two turns of the logging loop.
+const EVENTS: usize = 32;
+/// LED 0 is lit while outputs are live: the emulated boards' only outputs.
+const LIVE: u32 = 1;
+
+static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+static LOST_EVENTS: AtomicU32 = AtomicU32::new(0);
+static ENDED: AtomicBool = AtomicBool::new(false);
+static ENDED_SAFE: AtomicBool = AtomicBool::new(false);
+
+/// One of the two boards.
+pub struct Mps2 {
+    name: &'static str,
+    overload: Option<semihosting::Overload>,
+    tick: u32,
+}
+
+impl Board for Mps2 {
+    const COUNTER_HZ: u32 = timer::HZ;
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn counter(&self) -> u32 {
+        timer::counter()
+    }
+    fn read_inputs(&mut self, _inputs: &mut [f32]) {
+        // A test asks for slow ticks by name; where else would an emulator's load come from?
+        if let Some(overload) = self.overload.filter(|overload| overload.hits(self.tick)) {
+            let begun = timer::counter();
+            while timer::counter().wrapping_sub(begun) < overload.duration_us * (timer::HZ / 1_000_000) {}
+        }
+        self.tick += 1;
+    }
+    fn write_outputs(&mut self, _outputs: &[f32]) {
+        write(LED, LIVE);
+    }
+    fn safe_outputs(&mut self) {
+        make_safe();
+    }
+    fn feed_watchdog(&mut self) {}
+}
+
+/// Outputs off, from any context.
+pub(crate) fn make_safe() {
+    write(LED, 0);
+}
+
+/// Runs the firmware under this board name; returns to the emulator when the run has ended.
+pub fn start(name: &'static str) -> ! {
+    machine::prepare_stack();
+    timer::init();
+    let reason = machine::take_fault().map_or(ResetReason::PowerOn, ResetReason::Fault);
+    let request = semihosting::Request::read();
+    let settings = Settings {
+        period_us: request.period_us,
+        ticks: Some(u64::from(request.seconds) * 1_000_000 / u64::from(request.period_us.get())),
+        startup_ticks: 100,
+        overruns_to_safe: 5,
+        lag_to_safe_us: 1_000_000,
+        start_safe: reason != ResetReason::PowerOn,
+        status_every: NonZeroU32::new(1_000_000 / request.period_us.get()).unwrap_or(NonZeroU32::MIN),
+    };
+    let board = Mps2 { name, overload: request.overload, tick: 0 };
+    journal::start(&board, &settings, reason);
+    if reason != ResetReason::PowerOn {
+        // Nobody is there to acknowledge the fault: tell and leave.
+        semihosting::exit(false);
+    }
+    if let Some(trap) = request.trap {
+        trap.spring();
+    }
+    static QUEUE: StaticCell<Queue<Event, EVENTS>> = StaticCell::new();
+    let (events, mut read_events) = QUEUE.init(Queue::new()).split();
+    let spawner = EXECUTOR.start(vectors::Irq::SPARE);
+    // The task's storage is static and this is its only start.
+    spawner.spawn(looping(board, settings, events).expect("the loop starts once"));
+    // WFI, not WFE: QEMU does not halt on the latter.
+    loop {
+        cortex_m::asm::wfi();
+        while let Some(event) = read_events.dequeue() {
+            journal::event(&event);
+        }
+        if ENDED.load(Ordering::Acquire) {
+            let lost = LOST_EVENTS.load(Ordering::Relaxed);
+            if lost > 0 {
+                journal::lost(lost);
+            }
+            journal::stack(machine::stack_use());
+            semihosting::exit(!ENDED_SAFE.load(Ordering::Relaxed));
+        }
+    }
+}
+
+#[embassy_executor::task]
+async fn looping(mut board: Mps2, settings: Settings, mut events: Producer<'static, Event>) {
+    let mut plant = StandIn::new();
+    control::run(&mut board, &mut plant, &settings, |event| {
+        if let Event::Ended { safe, .. } = event {
+            ENDED_SAFE.store(safe, Ordering::Relaxed);
+        }
+        if events.enqueue(event).is_err() {
+            LOST_EVENTS.fetch_add(1, Ordering::Relaxed);
+        }
+    })
+    .await;
+    ENDED.store(true, Ordering::Release);
+}

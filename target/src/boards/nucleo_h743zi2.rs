@@ -1,0 +1,1 @@
+//! ST's NUCLEO-H743ZI2.
