@@ -141,6 +141,11 @@ pub trait Element {
     /// purely quadratic.
     fn is_active(&self) -> bool;
 
+    /// Whether the law changes with the flow, so that a method which solves for the flow has to ask again.
+    fn follows_flow(&self) -> bool {
+        false
+    }
+
     /// States the pressure law at the present operating point. Never panics and never returns NaN for inputs
     /// in range.
     fn law(&self, at: &Operating<'_>) -> Law;
@@ -201,6 +206,10 @@ impl Element for StdElement {
 
     fn is_active(&self) -> bool {
         each!(self, element => element.is_active())
+    }
+
+    fn follows_flow(&self) -> bool {
+        each!(self, element => element.follows_flow())
     }
 
     fn law(&self, at: &Operating<'_>) -> Law {

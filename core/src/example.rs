@@ -2,7 +2,7 @@
 //! board's self test. The shipped `networks/paper.toml` describes the same loop with the valve's schedule.
 
 use crate::element::{Fan, HeadCurve, HeatExchanger, Pipe, StdElement, Valve};
-use crate::{Active, Line, Network, Node, NodeKind, Segment};
+use crate::{Active, Line, Network, Node, NodeKind, Plan, Segment};
 
 const fn pipe(resistance_pa_s2_kg2: f32) -> StdElement {
     StdElement::Pipe(Pipe { resistance_pa_s2_kg2 })
@@ -65,5 +65,15 @@ pub fn paper_loop() -> Network<'static> {
         inputs: &INPUTS,
         schedules: &[],
         points: &[],
+        plan: Plan {
+            end_start: &[0, 2],
+            ends: &[0, 1],
+            order: &[0],
+            row_start: &[0, 1],
+            columns: &[0],
+            diagonal: &[0],
+            stamps: &[[0, Plan::NOWHERE, Plan::NOWHERE, 0]],
+            row_of: &[0],
+        },
     }
 }

@@ -5,7 +5,7 @@
 //! with whoever made the description.
 
 use crate::element::{Element, Operating, ParameterError, Reason, StdElement};
-use crate::{Fingerprint, Node, Schedule, SchedulePoint};
+use crate::{Fingerprint, Node, Plan, Schedule, SchedulePoint};
 
 /// One element at its place in a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +71,8 @@ pub struct Network<'a, E = StdElement> {
     pub schedules: &'a [Schedule],
     /// Points of all schedules, in schedule order.
     pub points: &'a [SchedulePoint],
+    /// Tables that follow from the connections; [`Plan::EMPTY`] is enough for `euler` and `relaxation`.
+    pub plan: Plan<'a>,
 }
 
 /// Why a description was refused, with the index of the thing at fault.

@@ -34,6 +34,10 @@ impl Element for ReferencePipe {
         self.exponent < 2.0
     }
 
+    fn follows_flow(&self) -> bool {
+        self.is_active()
+    }
+
     fn law(&self, at: &Operating<'_>) -> Law {
         let part = math::larger((at.mass_flow_kg_s / self.mass_flow_kg_s).abs(), SMALLEST_PART);
         // Chord resistance Δp/w² at this flow; R' and L' match value and slope of the law there.

@@ -1,0 +1,170 @@
+//! Tables that follow from how nodes and lines are connected.
+//!
+//! They are made once, when a network is built (`eclss-network-file` does it), and are constant data like the
+//! description itself: the order in which a node's flows are summed, and the order and fill pattern of the
+//! elimination that the implicit methods run. With them a step is a fixed sequence of operations.
+
+use crate::{Line, Node, NodeKind};
+
+/// An end of a line: twice the line's index, plus one for its outlet.
+pub type End = u32;
+
+/// Connection tables of one network, borrowed like the rest of the description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan<'a> {
+    /// For every node the first of its entries in `ends`, and one past the last; nodes + 1 numbers.
+    pub end_start: &'a [u32],
+    /// The ends of lines at every node, in ascending order within a node.
+    pub ends: &'a [End],
+    /// Nodes whose pressure is unknown, in the order of elimination.
+    pub order: &'a [u32],
+    /// For every row the first of its entries in `columns`, and one past the last; rows + 1 numbers.
+    pub row_start: &'a [u32],
+    /// Columns of the entries of L + U with fill, ascending within a row; a column is a position in `order`.
+    pub columns: &'a [u32],
+    /// Entry of the diagonal in every row.
+    pub diagonal: &'a [u32],
+    /// Entries that a line adds to: (from, from), (from, to), (to, from), (to, to); [`Plan::NOWHERE`] where an
+    /// end is at a boundary, and in the second and third where both ends are at one node.
+    pub stamps: &'a [[u32; 4]],
+    /// Position in `order` of every node; [`Plan::NOWHERE`] for a boundary.
+    pub row_of: &'a [u32],
+}
+
+/// Why connection tables were refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PlanError {
+    /// The tables are not there, but the method needs them.
+    Missing,
+    /// The list of line ends of a node is not the one that follows from the lines.
+    Ends(u32),
+    /// The elimination order is not a permutation of the nodes with unknown pressure.
+    Order,
+    /// A row's pattern is not sorted, lacks an entry, or lacks fill.
+    Pattern(u32),
+    /// A line's stamps do not point at its entries.
+    Stamp(u32),
+}
+
+impl Plan<'_> {
+    /// Marks an entry that does not exist.
+    pub const NOWHERE: u32 = u32::MAX;
+
+    /// No tables: enough for the methods that sum by lines.
+    pub const EMPTY: Plan<'static> = Plan {
+        end_start: &[],
+        ends: &[],
+        order: &[],
+        row_start: &[],
+        columns: &[],
+        diagonal: &[],
+        stamps: &[],
+        row_of: &[],
+    };
+
+    /// Checks the lists of line ends against the lines.
+    pub(crate) fn check_ends(&self, nodes: &[Node], lines: &[Line]) -> Result<(), PlanError> {
+        if self.end_start.len() != nodes.len() + 1 || self.ends.len() != 2 * lines.len() {
+            return Err(PlanError::Missing);
+        }
+        let mut next = 0;
+        for ((node, pair), _) in (0u32..).zip(self.end_start.windows(2)).zip(nodes) {
+            let [first, past] = *pair else { return Err(PlanError::Ends(node)) };
+            let ends = self.ends.get(first as usize..past as usize).ok_or(PlanError::Ends(node))?;
+            let belongs = |&end: &End| {
+                let line = lines.get((end / 2) as usize);
+                line.is_some_and(|line| node == if end % 2 == 0 { line.from } else { line.to })
+            };
+            let sorted = ends.windows(2).all(|pair| matches!(pair, [a, b] if a < b));
+            if first != next || !sorted || !ends.iter().all(belongs) {
+                return Err(PlanError::Ends(node));
+            }
+            next = past;
+        }
+        // Every listed end belongs to its node and none is listed twice there, so the count settles the rest.
+        if next as usize == self.ends.len() { Ok(()) } else { Err(PlanError::Ends(nodes.len() as u32)) }
+    }
+
+    /// Checks order, pattern and stamps of the elimination.
+    pub(crate) fn check_elimination(&self, nodes: &[Node], lines: &[Line]) -> Result<(), PlanError> {
+        let rows = self.order.len();
+        if self.row_start.len() != rows + 1
+            || self.diagonal.len() != rows
+            || self.stamps.len() != lines.len()
+            || self.row_of.len() != nodes.len()
+        {
+            return Err(PlanError::Missing);
+        }
+        let mut unknown = 0;
+        for ((index, node), &row) in (0u32..).zip(nodes).zip(self.row_of) {
+            let held = node.kind == NodeKind::Boundary;
+            let placed = self.order.get(row as usize) == Some(&index);
+            if held != (row == Self::NOWHERE) || (!held && !placed) {
+                return Err(PlanError::Order);
+            }
+            unknown += usize::from(!held);
+        }
+        if unknown != rows || self.row_start.first() != Some(&0) {
+            return Err(PlanError::Order);
+        }
+        for index in 0..rows {
+            self.check_row(index).ok_or(PlanError::Pattern(index as u32))?;
+        }
+        let end = self.row_start.last().copied().unwrap_or(0);
+        if end as usize != self.columns.len() {
+            return Err(PlanError::Pattern(rows as u32));
+        }
+        for ((index, line), stamps) in (0u32..).zip(lines).zip(self.stamps) {
+            self.check_stamps(line, *stamps).ok_or(PlanError::Stamp(index))?;
+        }
+        Ok(())
+    }
+
+    /// Columns of a row and the entry of the first.
+    fn row(&self, row: usize) -> Option<(&[u32], usize)> {
+        let (first, past) = (*self.row_start.get(row)? as usize, *self.row_start.get(row + 1)? as usize);
+        Some((self.columns.get(first..past)?, first))
+    }
+
+    /// Sorted, with its diagonal, and closed under the fill of the rows that it is reduced by.
+    fn check_row(&self, index: usize) -> Option<()> {
+        let (row, first) = self.row(index)?;
+        let sorted = row.windows(2).all(|pair| matches!(pair, [a, b] if a < b));
+        let in_range = row.last().is_some_and(|&last| (last as usize) < self.order.len());
+        let diagonal = *self.diagonal.get(index)? as usize;
+        let on_diagonal =
+            row.get(diagonal.checked_sub(first)?).is_some_and(|&column| column as usize == index);
+        if !(sorted && in_range && on_diagonal) {
+            return None;
+        }
+        for &by in row.iter().take_while(|&&column| (column as usize) < index) {
+            let (other, _) = self.row(by as usize)?;
+            for column in other.iter().filter(|&&column| column > by) {
+                row.binary_search(column).ok()?;
+            }
+        }
+        Some(())
+    }
+
+    fn check_stamps(&self, line: &Line, stamps: [u32; 4]) -> Option<()> {
+        let from = *self.row_of.get(line.from as usize)?;
+        let to = *self.row_of.get(line.to as usize)?;
+        for (entry, (row, column), crossing) in [
+            (stamps[0], (from, from), false),
+            (stamps[1], (from, to), true),
+            (stamps[2], (to, from), true),
+            (stamps[3], (to, to), false),
+        ] {
+            let absent = row == Self::NOWHERE || column == Self::NOWHERE || (crossing && from == to);
+            if absent {
+                (entry == Self::NOWHERE).then_some(())?;
+                continue;
+            }
+            let (columns, first) = self.row(row as usize)?;
+            let place = (entry as usize).checked_sub(first)?;
+            (columns.get(place) == Some(&column)).then_some(())?;
+        }
+        Some(())
+    }
+}
