@@ -1,5 +1,6 @@
 //! Methods: each advances the state of one description by one fixed step.
 
+pub(crate) mod common;
 pub(crate) mod relaxation;
 
 use crate::element::Element;

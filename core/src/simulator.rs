@@ -118,8 +118,7 @@ impl<'a, E: Element> Simulator<'a, E> {
             cursors.get_mut(..sizes.cursors).ok_or(short("cursors", sizes.cursors, given_cursors))?;
         inputs.copy_from_slice(network.inputs);
         cursors.fill(0);
-        // The sizes were checked above, so this sets every buffer.
-        let _ = relaxation::start(network, state, work, inputs);
+        relaxation::start(network, state, work, inputs);
         Ok(Self {
             network,
             settings,

@@ -14,6 +14,7 @@
 //! figures; folding and gauge are derived. Valid for h ≤ 10 ms. **Pseudo-time**: transients of this method are
 //! not physics. Volumes and inertances inside lines are not used.
 
+use super::common::{self, Common, Cut};
 use crate::element::{Element, Operating};
 use crate::operator::{self, FlowRow, Margin};
 use crate::simulator::{Fault, Place};
@@ -27,7 +28,7 @@ const SMALLEST_FLOW: f32 = 1e-6;
 
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-    (2 * (nodes + lines + segments), 3 * nodes + LINE_FIGURES * lines + 3 * segments)
+    (Common::length(network) + 2 * (lines + segments), 2 * nodes + LINE_FIGURES * lines + 3 * segments)
 }
 
 pub(crate) fn check<E: Element>(
@@ -51,8 +52,7 @@ pub(crate) fn check<E: Element>(
 
 /// The state buffer by name.
 struct State<'s> {
-    mass: &'s mut [f32],
-    mass_carry: &'s mut [f32],
+    common: Common<'s>,
     flow: &'s mut [f32],
     flow_carry: &'s mut [f32],
     gauge: &'s mut [f32],
@@ -60,15 +60,12 @@ struct State<'s> {
 }
 
 impl<'s> State<'s> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Option<Self> {
-        let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-        let (mass, rest) = buffer.split_at_mut_checked(nodes)?;
-        let (mass_carry, rest) = rest.split_at_mut_checked(nodes)?;
-        let (flow, rest) = rest.split_at_mut_checked(lines)?;
-        let (flow_carry, rest) = rest.split_at_mut_checked(lines)?;
-        let (gauge, rest) = rest.split_at_mut_checked(segments)?;
-        let (gauge_carry, _) = rest.split_at_mut_checked(segments)?;
-        Some(Self { mass, mass_carry, flow, flow_carry, gauge, gauge_carry })
+    fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
+        let (lines, segments) = (network.lines.len(), network.segments.len());
+        let cut = &mut Cut(buffer);
+        let common = Common::cut(network, cut);
+        let (flow, flow_carry) = (cut.take(lines), cut.take(lines));
+        Self { common, flow, flow_carry, gauge: cut.take(segments), gauge_carry: cut.take(segments) }
     }
 }
 
@@ -78,8 +75,6 @@ struct Work<'w> {
     pressure: &'w mut [f32],
     /// dp/dm of every node [Pa/kg].
     per_mass: &'w mut [f32],
-    /// Net flow into every node [kg/s].
-    net: &'w mut [f32],
     /// Sums over each line's segments.
     lines: &'w mut [[f32; LINE_FIGURES]],
     /// Resistance of each row.
@@ -91,17 +86,13 @@ struct Work<'w> {
 }
 
 impl<'w> Work<'w> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Option<Self> {
-        let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-        let (pressure, rest) = buffer.split_at_mut_checked(nodes)?;
-        let (per_mass, rest) = rest.split_at_mut_checked(nodes)?;
-        let (net, rest) = rest.split_at_mut_checked(nodes)?;
-        let (figures, rest) = rest.split_at_mut_checked(lines * LINE_FIGURES)?;
-        let (resistance, rest) = rest.split_at_mut_checked(segments)?;
-        let (head, rest) = rest.split_at_mut_checked(segments)?;
-        let (excess, _) = rest.split_at_mut_checked(segments)?;
-        let (lines, _) = figures.as_chunks_mut();
-        Some(Self { pressure, per_mass, net, lines, resistance, head, excess })
+    fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
+        let (nodes, segments) = (network.nodes.len(), network.segments.len());
+        let cut = &mut Cut(buffer);
+        let (pressure, per_mass) = (cut.take(nodes), cut.take(nodes));
+        let lines = cut.take_rows(network.lines.len());
+        let (resistance, head, excess) = (cut.take(segments), cut.take(segments), cut.take(segments));
+        Self { pressure, per_mass, lines, resistance, head, excess }
     }
 }
 
@@ -111,44 +102,45 @@ pub(crate) fn start<E: Element>(
     state: &mut [f32],
     work: &mut [f32],
     inputs: &[f32],
-) -> Option<()> {
+) {
     state.fill(0.0);
     work.fill(0.0);
-    let state = State::of(network, state)?;
-    let work = Work::of(network, work)?;
+    let state = State::of(network, state);
+    let work = Work::of(network, work);
     for ((node, pressure), per_mass) in network.nodes.iter().zip(work.pressure).zip(work.per_mass) {
         *pressure = node.start_gauge_pa;
         *per_mass = node.pressure_per_mass_pa_kg();
     }
     for ((line, flow), figures) in network.lines.iter().zip(state.flow).zip(work.lines) {
         *flow = line.start_flow_kg_s;
-        let segments = network.segments_of(line);
-        let place = line.flow_segment as usize;
-        // Ratio of the flow at each segment's inlet to the flow at the flow segment.
-        let mut ratio: f32 = segments.get(..place)?.iter().map(|s| 1.0 + s.element.removal()).product();
-        let range = line.first_segment as usize..line.first_segment as usize + segments.len();
-        let rows = work.resistance.get_mut(range.clone())?.iter_mut();
-        let rows = rows.zip(work.head.get_mut(range.clone())?).zip(work.excess.get_mut(range)?);
         let [rows_sum, _, fold, _, fold_plain, _, fold_head, _, inlet, outlet] = figures;
-        *inlet = ratio;
-        for ((index, segment), ((resistance, head), excess)) in segments.iter().enumerate().zip(rows) {
-            *excess = ratio * ratio - 1.0;
-            if !segment.element.is_active() {
-                let law = segment.element.law(&operating(segment, inputs, 0.0));
-                if index < place {
-                    (*resistance, *head) = (law.resistance, law.head);
-                    *rows_sum += law.resistance * (1.0 + *excess);
-                } else {
-                    *fold += law.resistance * (1.0 + *excess);
-                    *fold_plain += law.resistance;
-                    *fold_head += law.head;
-                }
+        *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
+            let place = line.first_segment as usize + index;
+            let excess = ratio * ratio - 1.0;
+            if let Some(slot) = work.excess.get_mut(place) {
+                *slot = excess;
             }
-            ratio /= 1.0 + segment.element.removal();
-        }
-        *outlet = ratio;
+            if index == 0 {
+                *inlet = ratio;
+            }
+            if segment.element.is_active() {
+                return;
+            }
+            let law = segment.element.law(&operating(segment, inputs, 0.0));
+            if index < line.flow_segment as usize {
+                *rows_sum += law.resistance * (1.0 + excess);
+                if let (Some(resistance), Some(head)) =
+                    (work.resistance.get_mut(place), work.head.get_mut(place))
+                {
+                    (*resistance, *head) = (law.resistance, law.head);
+                }
+            } else {
+                *fold += law.resistance * (1.0 + excess);
+                *fold_plain += law.resistance;
+                *fold_head += law.head;
+            }
+        });
     }
-    Some(())
 }
 
 fn operating<'i, E: Element>(segment: &Segment<E>, inputs: &'i [f32], mass_flow_kg_s: f32) -> Operating<'i> {
@@ -166,11 +158,8 @@ pub(crate) fn step<E: Element>(
     work: &mut [f32],
     inputs: &[f32],
 ) -> (Margin, Option<Place>) {
-    let (Some(mut state), Some(mut work)) = (State::of(network, state), Work::of(network, work)) else {
-        return (Margin::FREE, None);
-    };
+    let (mut state, mut work) = (State::of(network, state), Work::of(network, work));
     refresh(network, inputs, &state, &mut work);
-    work.net.fill(0.0);
     let mut margin = Margin::FREE;
     let mut place = None;
     for (index, line) in (0u32..).zip(network.lines) {
@@ -179,12 +168,8 @@ pub(crate) fn step<E: Element>(
             place = place.or(Some(Place::Line(index)));
         }
     }
-    let nodes =
-        state.mass.iter_mut().zip(state.mass_carry).zip(work.pressure).zip(work.per_mass).zip(work.net);
-    for (((((mass, carry), pressure), per_mass), net), (index, node)) in
-        nodes.zip((0u32..).zip(network.nodes))
-    {
-        math::compensated_add(mass, carry, h * *net);
+    let nodes = state.common.mass.iter().zip(work.pressure).zip(work.per_mass);
+    for ((([mass, _], pressure), per_mass), (index, node)) in nodes.zip((0u32..).zip(network.nodes)) {
         *pressure = node.start_gauge_pa + *per_mass * *mass;
         if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
             place = place.or(Some(Place::Node(index)));
@@ -290,12 +275,14 @@ fn step_line(
     let driving = before + (p_from - p_to) + (figures[6] + figures[7]);
     math::compensated_add(flow, flow_carry, h * phi * (driving - folded * square));
 
-    let (inlet, outlet) = if *flow > 0.0 { (figures[8] * *flow, figures[9] * *flow) } else { (*flow, *flow) };
-    if let Some(net) = work.net.get_mut(from) {
-        *net -= inlet;
-    }
-    if let Some(net) = work.net.get_mut(to) {
-        *net += outlet;
+    // Each transfer is rounded once; taken − given is exact because the two are within a factor of two.
+    let passed = h * *flow;
+    let (taken, given) =
+        if *flow > 0.0 { (figures[8] * passed, figures[9] * passed) } else { (passed, passed) };
+    common::add_mass(state.common.mass, from, -taken);
+    common::add_mass(state.common.mass, to, given);
+    if let Some(sums) = state.common.sums.get_mut(index) {
+        common::book(sums, taken, given, taken - given);
     }
     row.margin(phi)
 }
@@ -327,7 +314,7 @@ impl<'v, 'n, E: Element> View<'v, 'n, E> {
 
     /// Flow of a line at its flow segment [kg/s].
     pub(crate) fn line_flow_kg_s(&self, line: usize) -> f32 {
-        self.state_at(2 * self.network.nodes.len() + line)
+        self.state_at(Common::length(self.network) + line)
     }
 
     /// Flow at a segment's inlet [kg/s].
@@ -338,7 +325,7 @@ impl<'v, 'n, E: Element> View<'v, 'n, E> {
 
     /// Resistance (0), head (1) or `m² − 1` (2) of a segment.
     fn segment_figure(&self, figure: usize, segment: usize) -> f32 {
-        let lines = 3 * self.network.nodes.len() + LINE_FIGURES * self.network.lines.len();
+        let lines = 2 * self.network.nodes.len() + LINE_FIGURES * self.network.lines.len();
         self.work_at(lines + figure * self.network.segments.len() + segment)
     }
 
@@ -348,7 +335,7 @@ impl<'v, 'n, E: Element> View<'v, 'n, E> {
         let Some(description) = self.network.lines.get(line) else { return f32::NAN };
         let first = description.first_segment as usize;
         if segment < first + description.flow_segment as usize {
-            let gauges = 2 * (self.network.nodes.len() + self.network.lines.len());
+            let gauges = Common::length(self.network) + 2 * self.network.lines.len();
             return self.node_gauge_pa(description.from as usize) + self.state_at(gauges + segment);
         }
         let mut pressure = self.node_gauge_pa(description.to as usize);
