@@ -1,1 +1,73 @@
-//! Placeholder until its part lands.
+//! Network files: TOML in, the tables of `eclss-core` out.
+//!
+//! [`parse`] reads a file, refuses whatever is wrong with line, column and reason, converts units and derived
+//! parameters, and gives the tables that a simulator runs on. [`NetworkFile::to_toml`] saves a document back,
+//! [`Loaded::to_rust`] writes it as static tables for a board. The format is described in
+//! `docs/network-file.md`.
+//!
+//! ```
+//! let text = r#"
+//! schema = 1
+//! name = "duct"
+//! reference_pressure_pa = 101325.0
+//!
+//! [[node]]
+//! id = "cabin"
+//! kind = "cabin"
+//! volume_m3 = 60.0
+//! pressure_pa = 101325.0
+//! temperature_k = 295.15
+//!
+//! [[line]]
+//! id = "loop"
+//! from = "cabin"
+//! to = "cabin"
+//!
+//! [[line.element]]
+//! id = "duct"
+//! kind = "pipe"
+//! resistance_pa_s2_kg2 = -800.0
+//! "#;
+//! let error = eclss_network_file::parse(text, "duct.toml").unwrap_err();
+//! assert!(error.to_string().starts_with("duct.toml:21:24: `resistance_pa_s2_kg2` must lie in 0"));
+//!
+//! let loaded = eclss_network_file::parse(&text.replace('-', ""), "duct.toml")?;
+//! assert_eq!(loaded.names.segments, ["duct"]);
+//! assert!(loaded.network().check().is_ok());
+//! # Ok::<(), eclss_network_file::FileError>(())
+//! ```
+
+pub mod document;
+mod duration;
+mod element;
+mod error;
+mod input;
+pub mod limits;
+mod loaded;
+mod lower;
+mod read;
+mod reason;
+mod record;
+mod table;
+
+use std::path::Path;
+
+pub use document::NetworkFile;
+pub use duration::{DurationError, duration_us};
+pub use error::{FileError, Problem};
+pub use loaded::{Loaded, Names, RunDefaults};
+pub use record::{Quantity, Record};
+
+/// Reads and checks the text of a network file; `name` is the file name shown in errors.
+pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {
+    let mut notes = table::Notes::default();
+    let loaded = read::read(text, &mut notes).and_then(|file| lower::lower(file, &mut notes));
+    loaded.ok_or_else(|| FileError::new(name, text, notes.findings))
+}
+
+/// Reads and checks a network file.
+pub fn load(path: &Path) -> Result<Loaded, FileError> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| FileError::unreadable(&name, &error))?;
+    parse(&text, &name)
+}

@@ -1,0 +1,262 @@
+//! The document: what stands in a network file, before any conversion.
+//!
+//! Numbers are `f64` in the unit that their key names, as written. Reading is strict and done by
+//! [`crate::parse`]; writing is done here.
+
+use serde::Serialize;
+
+/// Schema version that this crate reads and writes.
+pub const SCHEMA: i64 = 1;
+
+/// A whole network file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NetworkFile {
+    /// Version of the format, [`SCHEMA`].
+    pub schema: i64,
+    /// Short name of the network, an id.
+    pub name: String,
+    /// Title for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// Pressure from which gauge pressures count [Pa].
+    pub reference_pressure_pa: f64,
+    /// How the network is run when nothing else is said.
+    pub run: Run,
+    /// Nodes in file order.
+    #[serde(rename = "node")]
+    pub nodes: Vec<NodeEntry>,
+    /// Lines in file order.
+    #[serde(rename = "line")]
+    pub lines: Vec<LineEntry>,
+    /// Schedules in file order.
+    #[serde(rename = "schedule", skip_serializing_if = "Vec::is_empty")]
+    pub schedules: Vec<ScheduleEntry>,
+}
+
+/// Table `[run]`; durations as text, such as `"1ms"`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Run {
+    /// Name of the method.
+    pub method: String,
+    /// Step of the method.
+    pub step: String,
+    /// Plant time at which a run ends.
+    pub until: String,
+    /// Points that a run writes down; all of them when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub record: Option<Vec<String>>,
+}
+
+/// Table `[[node]]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NodeEntry {
+    /// Id, unique in the file.
+    pub id: String,
+    /// Kind with its own keys.
+    #[serde(flatten)]
+    pub kind: NodeEntryKind,
+    /// Absolute pressure at the start [Pa].
+    pub pressure_pa: f64,
+    /// Gas temperature [K].
+    pub temperature_k: f64,
+}
+
+/// Kinds of node.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum NodeEntryKind {
+    /// A well-mixed gas volume.
+    Cabin {
+        /// Free gas volume [m³].
+        volume_m3: f64,
+    },
+    /// Held at its start pressure whatever flows.
+    Boundary,
+}
+
+/// Table `[[line]]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LineEntry {
+    /// Id, unique in the file.
+    pub id: String,
+    /// Id of the node at the inlet.
+    pub from: String,
+    /// Id of the node at the outlet.
+    pub to: String,
+    /// Driving pressure below which the line's law is linear [Pa]; [`crate::limits::LAMINAR_BELOW_PA`]
+    /// when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub laminar_below_pa: Option<f64>,
+    /// Mass flow at the start [kg/s]; 0 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial_flow_kg_s: Option<f64>,
+    /// Density for which the line's parameters hold [kg/m³]; that of the `from` node at the start when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_density_kg_m3: Option<f64>,
+    /// Elements in the direction of flow.
+    #[serde(rename = "element")]
+    pub elements: Vec<ElementEntry>,
+}
+
+/// Table `[[line.element]]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ElementEntry {
+    /// Id, unique in the file.
+    pub id: String,
+    /// Kind with its own keys.
+    #[serde(flatten)]
+    pub kind: ElementKind,
+    /// Length of the fluid column [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length_m: Option<f64>,
+    /// Inner diameter [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter_m: Option<f64>,
+    /// Flow area [m²], instead of a diameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_m2: Option<f64>,
+    /// Inertance L/A [1/m], instead of a length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertance_per_m: Option<f64>,
+    /// Volume at the outlet [m³]; length times area when absent, 0 for the last element of a line.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outlet_volume_m3: Option<f64>,
+}
+
+/// Kinds of element.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum ElementKind {
+    /// Duct, filter or grille.
+    Pipe {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+    },
+    /// Loss known by one measured point.
+    ReferencePipe {
+        /// Measured pressure loss [Pa].
+        pressure_drop_pa: f64,
+        /// Mass flow of the measurement [kg/s].
+        mass_flow_kg_s: f64,
+        /// Exponent of the flow [1].
+        exponent: f64,
+        /// Density of the measurement [kg/m³]; the line's when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        density_kg_m3: Option<f64>,
+    },
+    /// Control valve.
+    Valve {
+        /// Resistance when fully open [Pa·s²/kg²].
+        open_resistance_pa_s2_kg2: f64,
+        /// Exponent of the opening [1].
+        exponent: f64,
+        /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        leakage_opening: Option<f64>,
+        /// Opening at the start [1]; 1 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        opening: Option<f64>,
+    },
+    /// Fan.
+    Fan(Machine),
+    /// Pump.
+    Pump(Machine),
+    /// Condensing heat exchanger.
+    HeatExchanger {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Mass of liquid per mass of air that leaves [1].
+        liquid_fraction: f64,
+        /// Share of the liquid that the separator takes out [1].
+        separator_efficiency: f64,
+    },
+    /// Adsorption bed.
+    Bed {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Mass fraction of the captured species in the air that enters [1].
+        mass_fraction: f64,
+        /// Share of the species that is captured [1].
+        capture_efficiency: f64,
+    },
+}
+
+/// A quadratic loss, given in one of two ways.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Loss {
+    /// By resistance.
+    Resistance {
+        /// R in Δp = R·w·|w| [Pa·s²/kg²].
+        resistance_pa_s2_kg2: f64,
+    },
+    /// By loss coefficient ξ on the element's own flow area.
+    Coefficient {
+        /// ξ in Δp = ξ·ρ·v²/2 [1].
+        loss_coefficient: f64,
+    },
+}
+
+/// Fan or pump: head curve at rated speed and start speed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Machine {
+    /// Head curve.
+    #[serde(flatten)]
+    pub curve: Curve,
+    /// Speed at the start [1, 1 = rated]; 1 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed: Option<f64>,
+}
+
+/// A head curve, given in one of two ways.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Curve {
+    /// By pressure over mass flow at the line's reference density.
+    Pressure {
+        /// Pressure rise at zero flow [Pa].
+        shutoff_pa: f64,
+        /// Linear fall [Pa·s/kg]; 0 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        linear_pa_s_kg: Option<f64>,
+        /// Quadratic fall [Pa·s²/kg²].
+        quadratic_pa_s2_kg2: f64,
+    },
+    /// By head over volume flow, h = h0 − h1·Q − h2·Q².
+    Head {
+        /// Head at zero flow [m].
+        h0_m: f64,
+        /// Linear fall [s/m²]; 0 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        h1_s_m2: Option<f64>,
+        /// Quadratic fall [s²/m⁵].
+        h2_s2_m5: f64,
+    },
+}
+
+/// Table `[[schedule]]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScheduleEntry {
+    /// The input that it drives, as in `valve.opening`.
+    pub input: String,
+    /// `linear` or `hold`; linear when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolation: Option<String>,
+    /// Pairs of time [s] and value.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl NetworkFile {
+    /// Returns the document as TOML. Read again it gives an equal document and the same network id; comments
+    /// and spacing are not kept.
+    ///
+    /// # Panics
+    ///
+    /// Never: the document holds nothing that TOML cannot express.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("tables, text and numbers always have a TOML form")
+    }
+}

@@ -1,0 +1,173 @@
+//! Elements: from what the file says to what the core computes with.
+//!
+//! Derived parameters are computed in `f64` and rounded once, so that a file gives the same bits on every
+//! machine.
+
+use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use eclss_core::{StdElement, air};
+
+use crate::document::{Curve, ElementEntry, ElementKind, Loss};
+use crate::limits::{self, Range};
+use crate::table::{Notes, single};
+
+/// One element while it is converted.
+pub(crate) struct Conversion<'a> {
+    pub(crate) notes: &'a mut Notes,
+    pub(crate) entry: &'a ElementEntry,
+    /// Path of the element's table.
+    pub(crate) path: &'a str,
+    /// Reference density of the line [kg/m³]; 0 for a line out of a vacuum.
+    pub(crate) density_kg_m3: f64,
+    /// Whether the outlet is the line's end, whose volume is the node's.
+    pub(crate) last: bool,
+}
+
+impl Conversion<'_> {
+    /// Returns element, inertance [1/m] and outlet volume [m³]. What is refused is in the notes.
+    pub(crate) fn convert(&mut self) -> (StdElement, f32, f32) {
+        let element = self.element();
+        let (inertance, volume) = self.column();
+        (element, inertance, volume)
+    }
+
+    fn element(&mut self) -> StdElement {
+        match &self.entry.kind {
+            ElementKind::Pipe { loss } => {
+                StdElement::Pipe(Pipe { resistance_pa_s2_kg2: self.resistance(loss) })
+            }
+            ElementKind::ReferencePipe { pressure_drop_pa, mass_flow_kg_s, exponent, density_kg_m3 } => {
+                // Δp = Δp_ref·(ρ_ref/ρ)·(w/w_ref)^n: the loss that the same flow has at the line's density.
+                let drop = match density_kg_m3 {
+                    None => *pressure_drop_pa,
+                    Some(measured) => pressure_drop_pa * measured / self.density("density_kg_m3"),
+                };
+                StdElement::ReferencePipe(ReferencePipe {
+                    pressure_drop_pa: self.fit("pressure_drop_pa", drop, &limits::REFERENCE_DROP),
+                    mass_flow_kg_s: *mass_flow_kg_s as f32,
+                    exponent: *exponent as f32,
+                })
+            }
+            ElementKind::Valve { open_resistance_pa_s2_kg2, exponent, leakage_opening, .. } => {
+                StdElement::Valve(Valve {
+                    open_resistance_pa_s2_kg2: *open_resistance_pa_s2_kg2 as f32,
+                    exponent: *exponent as f32,
+                    leakage_opening: leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
+                })
+            }
+            ElementKind::Fan(machine) => StdElement::Fan(Fan { curve: self.curve(&machine.curve) }),
+            ElementKind::Pump(machine) => StdElement::Pump(Pump { curve: self.curve(&machine.curve) }),
+            ElementKind::HeatExchanger { loss, liquid_fraction, separator_efficiency } => {
+                StdElement::HeatExchanger(HeatExchanger {
+                    resistance_pa_s2_kg2: self.resistance(loss),
+                    liquid_fraction: *liquid_fraction as f32,
+                    separator_efficiency: *separator_efficiency as f32,
+                })
+            }
+            ElementKind::Bed { loss, mass_fraction, capture_efficiency } => StdElement::Bed(Bed {
+                resistance_pa_s2_kg2: self.resistance(loss),
+                mass_fraction: *mass_fraction as f32,
+                capture_efficiency: *capture_efficiency as f32,
+            }),
+        }
+    }
+
+    /// R, given or from ξ: `R = ξ/(2·ρ·A²)`.
+    fn resistance(&mut self, loss: &Loss) -> f32 {
+        match loss {
+            Loss::Resistance { resistance_pa_s2_kg2 } => *resistance_pa_s2_kg2 as f32,
+            Loss::Coefficient { loss_coefficient } => {
+                let density = self.density("loss_coefficient");
+                let area = self.area();
+                if area.is_none() {
+                    self.refuse(
+                        "loss_coefficient",
+                        "`loss_coefficient` needs a `diameter_m` or an `area_m2`",
+                    );
+                }
+                let area = area.unwrap_or(1.0);
+                let resistance = loss_coefficient / (2.0 * density * area * area);
+                self.fit("loss_coefficient", resistance, &limits::RESISTANCE)
+            }
+        }
+    }
+
+    /// Head curve over mass flow: Δp = ρ·g·h(w/ρ).
+    fn curve(&mut self, curve: &Curve) -> HeadCurve {
+        match curve {
+            Curve::Pressure { shutoff_pa, linear_pa_s_kg, quadratic_pa_s2_kg2 } => HeadCurve {
+                shutoff_pa: *shutoff_pa as f32,
+                linear_pa_s_kg: linear_pa_s_kg.unwrap_or(0.0) as f32,
+                quadratic_pa_s2_kg2: *quadratic_pa_s2_kg2 as f32,
+            },
+            Curve::Head { h0_m, h1_s_m2, h2_s2_m5 } => {
+                let density = self.density("h0_m");
+                let gravity = f64::from(air::GRAVITY_M_S2);
+                let linear = gravity * h1_s_m2.unwrap_or(0.0);
+                HeadCurve {
+                    shutoff_pa: self.fit("h0_m", density * gravity * h0_m, &limits::PRESSURE),
+                    linear_pa_s_kg: self.fit("h1_s_m2", linear, &limits::LINEAR_FALL),
+                    quadratic_pa_s2_kg2: self.fit(
+                        "h2_s2_m5",
+                        gravity * h2_s2_m5 / density,
+                        &limits::SOME_RESISTANCE,
+                    ),
+                }
+            }
+        }
+    }
+
+    /// Inertance L/A and outlet volume L·A of the fluid column.
+    fn column(&mut self) -> (f32, f32) {
+        let entry = self.entry;
+        let area = self.area();
+        if let (Some(_), Some(_)) = (entry.diameter_m, entry.area_m2) {
+            self.refuse("area_m2", "give the cross-section once: as `diameter_m` or as `area_m2`");
+        }
+        if let (Some(_), Some(_)) = (entry.length_m, entry.inertance_per_m) {
+            self.refuse("inertance_per_m", "give the inertance once: as `length_m` or as `inertance_per_m`");
+        }
+        let needed = entry.length_m.is_some_and(|length| length > 0.0);
+        if needed && area.is_none() {
+            self.refuse("length_m", "`length_m` needs a `diameter_m` or an `area_m2`");
+        }
+        let (length, area) = (entry.length_m.unwrap_or(0.0), area.unwrap_or(1.0));
+        let inertance = entry.inertance_per_m.unwrap_or(length / area);
+        let inside = if self.last { 0.0 } else { length * area };
+        let volume = entry.outlet_volume_m3.unwrap_or(inside);
+        let key = if entry.inertance_per_m.is_some() { "inertance_per_m" } else { "length_m" };
+        let inertance = self.fit(key, inertance, &limits::INERTANCE);
+        let key = if entry.outlet_volume_m3.is_some() { "outlet_volume_m3" } else { "length_m" };
+        (inertance, self.fit(key, volume, &limits::OUTLET_VOLUME))
+    }
+
+    /// Flow area [m²] from diameter or area.
+    fn area(&self) -> Option<f64> {
+        let round = |diameter: f64| core::f64::consts::FRAC_PI_4 * diameter * diameter;
+        self.entry.area_m2.or(self.entry.diameter_m.map(round))
+    }
+
+    /// The line's reference density, for a parameter that needs one.
+    fn density(&mut self, key: &str) -> f64 {
+        if self.density_kg_m3 > 0.0 {
+            return self.density_kg_m3;
+        }
+        self.refuse(key, format!("`{key}` needs a density, and the line starts in a vacuum"));
+        1.0
+    }
+
+    /// Rounds a derived parameter and checks its range.
+    fn fit(&mut self, key: &str, value: f64, range: &Range) -> f32 {
+        match single(value) {
+            Some(rounded) if range.values.contains(&value) => rounded,
+            _ => {
+                let (from, to, unit) = (range.values.start(), range.values.end(), range.unit);
+                self.refuse(key, format!("`{key}` comes out as {value:e} {unit}, outside {from} … {to}"));
+                1.0
+            }
+        }
+    }
+
+    fn refuse(&mut self, key: &str, reason: impl Into<String>) {
+        self.notes.refuse_at(self.path, &[key], reason);
+    }
+}

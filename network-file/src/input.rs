@@ -1,0 +1,117 @@
+//! Inputs and the schedules that drive them.
+
+use eclss_core::{Element, InputSpec, Interpolation, Schedule, SchedulePoint, StdElement};
+
+use crate::document::{ElementEntry, ElementKind, NetworkFile};
+use crate::limits;
+use crate::table::Notes;
+
+/// One input slot while a file is converted.
+#[derive(Debug)]
+pub(crate) struct Slot {
+    /// Name as in `valve.opening`.
+    pub(crate) name: String,
+    /// Range and default.
+    spec: InputSpec,
+    /// Value at the start, where the file gives one.
+    start: Option<f64>,
+    /// Path of the element's table.
+    path: String,
+}
+
+/// Adds the slots of one element.
+pub(crate) fn slots_of(element: &StdElement, entry: &ElementEntry, path: &str, slots: &mut Vec<Slot>) {
+    let start = match &entry.kind {
+        ElementKind::Valve { opening, .. } => *opening,
+        ElementKind::Fan(machine) | ElementKind::Pump(machine) => machine.speed,
+        _ => None,
+    };
+    let specs = (0..).map_while(|index| element.input_spec(index));
+    slots.extend(specs.map(|spec| {
+        let name = format!("{}.{}", entry.id, spec.name);
+        Slot { name, spec, start, path: path.to_owned() }
+    }));
+}
+
+/// Start values, schedules and points.
+#[derive(Debug, Default)]
+pub(crate) struct Driven {
+    pub(crate) inputs: Vec<f32>,
+    pub(crate) schedules: Vec<Schedule>,
+    pub(crate) points: Vec<SchedulePoint>,
+}
+
+/// Converts all schedules and sets every start value.
+pub(crate) fn drive(file: &NetworkFile, slots: &[Slot], notes: &mut Notes) -> Driven {
+    let start = |slot: &Slot| slot.start.map_or(slot.spec.default, |start| start as f32);
+    let mut driven = Driven { inputs: slots.iter().map(start).collect(), ..Driven::default() };
+    let total: usize = file.schedules.iter().map(|schedule| schedule.points.len()).sum();
+    if total > limits::SCHEDULE_POINTS {
+        let most = limits::SCHEDULE_POINTS;
+        notes.refuse_at(
+            "schedule",
+            &[],
+            format!("{total} points in all schedules, at most {most} are allowed"),
+        );
+        return driven;
+    }
+    for (index, entry) in file.schedules.iter().enumerate() {
+        let path = format!("schedule[{index}]");
+        let Some(slot) = slots.iter().position(|slot| slot.name == entry.input) else {
+            let names: Vec<_> = slots.iter().take(20).map(|slot| slot.name.as_str()).collect();
+            let span = notes.place(&path, &["input"]);
+            let help = format!("inputs of this network: {}", names.join(", "));
+            notes.refuse_with(span, format!("there is no input `{}`", entry.input), help);
+            continue;
+        };
+        if driven.schedules.iter().any(|other| other.input as usize == slot) {
+            notes.refuse_at(&path, &["input"], format!("`{}` has a schedule already", entry.input));
+            continue;
+        }
+        let points = points(&entry.points, &slots[slot].spec, &path, notes);
+        if slots[slot].start.is_some() {
+            let reason =
+                format!("`{}` follows a schedule, so it has no start value of its own", slots[slot].name);
+            notes.refuse_at(&slots[slot].path, &[slots[slot].spec.name], reason);
+        }
+        // What the schedule says at time zero: its first point, or the last of several there.
+        let at_start = points.iter().rev().find(|point| point.time_us == 0).or(points.first());
+        if let Some(point) = at_start {
+            driven.inputs[slot] = point.value;
+        }
+        let interpolation = match entry.interpolation.as_deref() {
+            Some("hold") => Interpolation::Hold,
+            _ => Interpolation::Linear,
+        };
+        driven.schedules.push(Schedule {
+            input: slot as u32,
+            first_point: driven.points.len() as u32,
+            points: points.len() as u32,
+            interpolation,
+        });
+        driven.points.extend(points);
+    }
+    driven
+}
+
+/// Converts points, whose times must not fall and whose values must suit the input.
+fn points(pairs: &[(f64, f64)], spec: &InputSpec, path: &str, notes: &mut Notes) -> Vec<SchedulePoint> {
+    let mut points: Vec<SchedulePoint> = Vec::with_capacity(pairs.len());
+    for (index, &(time_s, value)) in pairs.iter().enumerate() {
+        // Whole microseconds; the range of times makes the conversion exact.
+        let point = SchedulePoint { time_us: libm::round(time_s * 1e6) as u64, value: value as f32 };
+        let place = format!("{path}.points[{index}]");
+        if points.last().is_some_and(|last| last.time_us > point.time_us) {
+            notes.refuse_at(&place, &[], format!("time {time_s} s lies before that of the point above it"));
+        }
+        if points.len() >= 2 && points[points.len() - 2..].iter().all(|last| last.time_us == point.time_us) {
+            notes.refuse_at(&place, &[], format!("a third point at {time_s} s; a jump has two"));
+        }
+        if !(spec.min..=spec.max).contains(&point.value) {
+            let reason = format!("`{}` must lie in {} … {}, not at {value}", spec.name, spec.min, spec.max);
+            notes.refuse_at(&place, &[], reason);
+        }
+        points.push(point);
+    }
+    points
+}

@@ -1,0 +1,96 @@
+//! Limits and defaults of the format, as `docs/network-file.md` lists them.
+//!
+//! The ranges are wide: they keep out slips of unit and of sign, and whatever would leave the range in which
+//! a run is trusted at its first step.
+
+use std::ops::RangeInclusive;
+
+/// Largest file [bytes].
+pub const FILE_BYTES: usize = 16 << 20;
+/// Most nodes in a file.
+pub const NODES: usize = 4_096;
+/// Most lines in a file.
+pub const LINES: usize = 4_096;
+/// Most elements in a file.
+pub const ELEMENTS: usize = 65_536;
+/// Most points of all schedules in a file.
+pub const SCHEDULE_POINTS: usize = 65_536;
+/// Longest id [bytes].
+pub const ID_BYTES: usize = 48;
+
+/// Driving pressure below which a line is linear when its file does not say [Pa].
+pub const LAMINAR_BELOW_PA: f64 = 1e-3;
+/// Opening that remains of a closed valve when its file does not say [1].
+pub const LEAKAGE_OPENING: f64 = 1e-3;
+/// Default method.
+pub const METHOD: &str = "relaxation";
+/// Default step.
+pub const STEP: &str = "1ms";
+/// Default end of a run.
+pub const UNTIL: &str = "60s";
+
+/// Range of a number with its unit, for reading and for the message that refuses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Range {
+    /// Allowed values, in `unit`.
+    pub values: RangeInclusive<f64>,
+    /// Unit, `1` for a ratio.
+    pub unit: &'static str,
+}
+
+const fn range(from: f64, to: f64, unit: &'static str) -> Range {
+    Range { values: from..=to, unit }
+}
+
+/// Absolute pressures and pressure rises.
+pub const PRESSURE: Range = range(0.0, 1e7, "Pa");
+/// Temperatures.
+pub const TEMPERATURE: Range = range(50.0, 2e3, "K");
+/// Volumes of nodes.
+pub const NODE_VOLUME: Range = range(1e-6, 1e6, "m³");
+/// Volumes inside a line.
+pub const OUTLET_VOLUME: Range = range(0.0, 1e3, "m³");
+/// Mass flows.
+pub const MASS_FLOW: Range = range(-1e3, 1e3, "kg/s");
+/// Mass flow of a measurement.
+pub const REFERENCE_FLOW: Range = range(1e-9, 1e3, "kg/s");
+/// Pressure loss of a measurement.
+pub const REFERENCE_DROP: Range = range(1e-9, 1e7, "Pa");
+/// Densities.
+pub const DENSITY: Range = range(1e-6, 2e4, "kg/m³");
+/// Quadratic resistances.
+pub const RESISTANCE: Range = range(0.0, 1e15, "Pa·s²/kg²");
+/// Quadratic resistances that may not vanish.
+pub const SOME_RESISTANCE: Range = range(1e-6, 1e15, "Pa·s²/kg²");
+/// Linear fall of a head curve.
+pub const LINEAR_FALL: Range = range(0.0, 1e12, "Pa·s/kg");
+/// Loss coefficients.
+pub const LOSS_COEFFICIENT: Range = range(0.0, 1e9, "1");
+/// Heads.
+pub const HEAD: Range = range(0.0, 1e6, "m");
+/// Linear fall of a head.
+pub const HEAD_LINEAR: Range = range(0.0, 1e12, "s/m²");
+/// Quadratic fall of a head.
+pub const HEAD_QUADRATIC: Range = range(1e-6, 1e15, "s²/m⁵");
+/// Lengths.
+pub const LENGTH: Range = range(0.0, 1e4, "m");
+/// Diameters.
+pub const DIAMETER: Range = range(1e-4, 1e2, "m");
+/// Areas.
+pub const AREA: Range = range(1e-8, 1e4, "m²");
+/// Inertances.
+pub const INERTANCE: Range = range(0.0, 1e12, "1/m");
+/// Fractions, efficiencies and openings.
+pub const FRACTION: Range = range(0.0, 1.0, "1");
+/// Leakage openings.
+pub const LEAKAGE: Range = range(1e-4, 1.0, "1");
+/// Exponents of a valve's opening.
+pub const VALVE_EXPONENT: Range = range(0.0, 6.0, "1");
+/// Exponents of the flow.
+pub const FLOW_EXPONENT: Range = range(1.0, 2.0, "1");
+/// Speeds of fans and pumps.
+pub const SPEED: Range = range(0.0, 2.0, "1");
+/// Times of a schedule.
+pub const TIME: Range = range(0.0, 1e9, "s");
+/// Values of a schedule, before the input's own range is known.
+pub const ANY: Range = range(f64::MIN, f64::MAX, "1");

@@ -1,0 +1,76 @@
+//! A file that was accepted: the document and the tables that the core runs on.
+
+use eclss_core::{Active, Line, Method, Network, Node, Schedule, SchedulePoint, Segment};
+
+use crate::document::NetworkFile;
+use crate::record::Record;
+
+/// A network that was read, checked and converted; owns what [`Network`] borrows.
+#[derive(Debug, Clone)]
+pub struct Loaded {
+    /// The document as read.
+    pub file: NetworkFile,
+    /// Ids by the core's indices.
+    pub names: Names,
+    /// How the network is run when nothing else is said.
+    pub run: RunDefaults,
+    /// What a run writes down, in the order of the file, else everything.
+    pub records: Vec<Record>,
+    /// Pressure from which gauge pressures count [Pa].
+    pub reference_pa: f32,
+    /// Nodes.
+    pub nodes: Vec<Node>,
+    /// Lines.
+    pub lines: Vec<Line>,
+    /// Segments of all lines, in line order.
+    pub segments: Vec<Segment>,
+    /// Segments whose law changes during a run.
+    pub active: Vec<Active>,
+    /// Start value of every input slot.
+    pub inputs: Vec<f32>,
+    /// Schedules.
+    pub schedules: Vec<Schedule>,
+    /// Points of all schedules.
+    pub points: Vec<SchedulePoint>,
+}
+
+/// Ids from the file at the indices that the core uses.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Names {
+    /// Ids of the nodes.
+    pub nodes: Vec<String>,
+    /// Ids of the lines.
+    pub lines: Vec<String>,
+    /// Ids of the elements, one per segment.
+    pub segments: Vec<String>,
+    /// Names of the input slots, as in `valve.opening`.
+    pub inputs: Vec<String>,
+}
+
+/// What `[run]` says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunDefaults {
+    /// The method.
+    pub method: Method,
+    /// Its step [µs].
+    pub step_us: u32,
+    /// Plant time at which a run ends [µs].
+    pub until_us: u64,
+}
+
+impl Loaded {
+    /// Lends the tables as the description that a simulator takes; it has passed [`Network::check`].
+    pub fn network(&self) -> Network<'_> {
+        Network {
+            reference_pa: self.reference_pa,
+            nodes: &self.nodes,
+            lines: &self.lines,
+            segments: &self.segments,
+            active: &self.active,
+            inputs: &self.inputs,
+            schedules: &self.schedules,
+            points: &self.points,
+            plan: eclss_core::Plan::EMPTY,
+        }
+    }
+}

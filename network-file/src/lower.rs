@@ -1,0 +1,293 @@
+//! From the document to the core's tables: references, densities, slots, and the core's own checks.
+
+use std::collections::HashMap;
+
+use eclss_core::element::Operating;
+use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Segment, StdElement, air};
+
+use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
+use crate::duration::duration_us;
+use crate::element::Conversion;
+use crate::input::{self, Slot};
+use crate::limits;
+use crate::loaded::{Loaded, Names, RunDefaults};
+use crate::reason;
+use crate::record::{self, Record};
+use crate::table::{Notes, single};
+
+/// Converts a document; `None` with findings in the notes.
+pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
+    let ids = Ids::collect(&file, notes);
+    let nodes = nodes(&file, notes);
+    let run = run_defaults(&file, notes);
+    let mut tables = Tables::default();
+    for (index, line) in file.lines.iter().enumerate() {
+        tables.add_line(&file, line, &format!("line[{index}]"), &ids, notes);
+    }
+    let elements = tables.segments.len();
+    if elements > limits::ELEMENTS {
+        let most = limits::ELEMENTS;
+        notes.refuse_at("line", &[], format!("{elements} elements in all lines, at most {most} are allowed"));
+    }
+    let driven = input::drive(&file, &tables.slots, notes);
+    let names = Names {
+        nodes: file.nodes.iter().map(|node| node.id.clone()).collect(),
+        lines: file.lines.iter().map(|line| line.id.clone()).collect(),
+        segments: tables.names,
+        inputs: tables.slots.into_iter().map(|slot| slot.name).collect(),
+    };
+    let records = records(&file, record::all(&names, &tables.lines), notes);
+    if !notes.findings.is_empty() {
+        return None;
+    }
+    let loaded = Loaded {
+        names,
+        run,
+        records,
+        reference_pa: file.reference_pressure_pa as f32,
+        nodes,
+        lines: tables.lines,
+        segments: tables.segments,
+        active: tables.active,
+        inputs: driven.inputs,
+        schedules: driven.schedules,
+        points: driven.points,
+        file,
+    };
+    core_checks(&loaded, notes);
+    notes.findings.is_empty().then_some(loaded)
+}
+
+/// Every id of the file; one name space, so that `fan.mass_flow` can mean one thing only.
+struct Ids<'f> {
+    nodes: HashMap<&'f str, usize>,
+}
+
+impl<'f> Ids<'f> {
+    fn collect(file: &'f NetworkFile, notes: &mut Notes) -> Self {
+        let mut seen: HashMap<&str, String> = HashMap::new();
+        let mut see = |id: &'f str, path: String| {
+            if let Some(first) = seen.get(id) {
+                let at = notes.place(&path, &["id"]);
+                let help = "ids are unique among nodes, lines and elements together";
+                notes.refuse_with(at, format!("id `{id}` is taken already by {first}"), help);
+            } else {
+                seen.insert(id, path);
+            }
+        };
+        for (index, node) in file.nodes.iter().enumerate() {
+            see(&node.id, format!("node[{index}]"));
+        }
+        for (index, line) in file.lines.iter().enumerate() {
+            see(&line.id, format!("line[{index}]"));
+            for (place, element) in line.elements.iter().enumerate() {
+                see(&element.id, format!("line[{index}].element[{place}]"));
+            }
+        }
+        Self { nodes: file.nodes.iter().enumerate().map(|(index, node)| (node.id.as_str(), index)).collect() }
+    }
+}
+
+fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
+    let mut nodes = Vec::with_capacity(file.nodes.len());
+    for (index, entry) in file.nodes.iter().enumerate() {
+        let path = format!("node[{index}]");
+        // The difference is taken before rounding: in single precision 101 325 Pa is known to 8 mPa only.
+        let gauge = single(entry.pressure_pa - file.reference_pressure_pa);
+        if gauge.is_none() {
+            notes.refuse_at(&path, &["pressure_pa"], "too close to `reference_pressure_pa` to tell apart");
+        }
+        let node = Node {
+            kind: match entry.kind {
+                NodeEntryKind::Cabin { volume_m3 } => NodeKind::Cabin { volume_m3: volume_m3 as f32 },
+                NodeEntryKind::Boundary => NodeKind::Boundary,
+            },
+            start_gauge_pa: gauge.unwrap_or(0.0),
+            temperature_k: entry.temperature_k as f32,
+        };
+        if let Err(error) = node.check() {
+            notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
+        }
+        if !file.lines.iter().any(|line| line.from == entry.id || line.to == entry.id) {
+            notes.refuse_at(&path, &["id"], format!("no line reaches node `{}`", entry.id));
+        }
+        nodes.push(node);
+    }
+    nodes
+}
+
+/// The core's tables while lines are added.
+#[derive(Default)]
+struct Tables {
+    lines: Vec<Line>,
+    segments: Vec<Segment>,
+    active: Vec<Active>,
+    slots: Vec<Slot>,
+    names: Vec<String>,
+}
+
+impl Tables {
+    fn add_line(
+        &mut self,
+        file: &NetworkFile,
+        line: &LineEntry,
+        path: &str,
+        ids: &Ids<'_>,
+        notes: &mut Notes,
+    ) {
+        let from = node_of(ids, &line.from, path, "from", notes);
+        let to = node_of(ids, &line.to, path, "to", notes);
+        let density_kg_m3 = density(file, line, from);
+        let first_segment = self.segments.len();
+        for (place, entry) in line.elements.iter().enumerate() {
+            let path = format!("{path}.element[{place}]");
+            let last = place + 1 == line.elements.len();
+            let (element, inertance_per_m, outlet_volume_m3) =
+                Conversion { notes, entry, path: &path, density_kg_m3, last }.convert();
+            if let Err(error) = element.check() {
+                notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
+            }
+            let segment = self.segments.len() as u32;
+            if element.is_active() {
+                self.active.push(Active { segment, line: self.lines.len() as u32 });
+            }
+            let first_input = self.slots.len() as u32;
+            input::slots_of(&element, entry, &path, &mut self.slots);
+            self.segments.push(Segment { element, inertance_per_m, outlet_volume_m3, first_input });
+            self.names.push(entry.id.clone());
+        }
+        let segments = &self.segments[first_segment..];
+        let drop_pa = pressure(file, from) - pressure(file, to);
+        if let Some(flow) = excessive_flow(segments, drop_pa) {
+            let limit = Fault::FLOW_LIMIT_KG_S;
+            let reason = format!("line `{}` would carry up to {flow:.0} kg/s, more than {limit}", line.id);
+            notes.refuse_at(path, &["id"], reason);
+        }
+        self.lines.push(Line {
+            from: from.unwrap_or(0) as u32,
+            to: to.unwrap_or(0) as u32,
+            first_segment: first_segment as u32,
+            segments: segments.len() as u32,
+            flow_segment: flow_segment(segments),
+            laminar_below_pa: line.laminar_below_pa.unwrap_or(limits::LAMINAR_BELOW_PA) as f32,
+            start_flow_kg_s: line.initial_flow_kg_s.unwrap_or(0.0) as f32,
+        });
+    }
+}
+
+fn node_of(ids: &Ids<'_>, id: &str, path: &str, key: &str, notes: &mut Notes) -> Option<usize> {
+    let node = ids.nodes.get(id).copied();
+    if node.is_none() {
+        notes.refuse_at(path, &[key], format!("there is no node `{id}`"));
+    }
+    node
+}
+
+/// Absolute pressure of a node at the start [Pa].
+fn pressure(file: &NetworkFile, node: Option<usize>) -> f64 {
+    node.and_then(|node| file.nodes.get(node)).map_or(0.0, |node| node.pressure_pa)
+}
+
+/// Density for which the line's parameters hold [kg/m³].
+fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>) -> f64 {
+    let of_node = || {
+        let node = file.nodes.get(from?)?;
+        Some(node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k))
+    };
+    line.reference_density_kg_m3.or_else(of_node).unwrap_or(1.0)
+}
+
+/// The segment that carries the line's flow: the valve that resists most when closed, else the element that
+/// resists most.
+fn flow_segment(segments: &[Segment]) -> u32 {
+    let resistance = |segment: &Segment| match &segment.element {
+        StdElement::Valve(valve) => (true, valve.resistance_pa_s2_kg2(0.0)),
+        element => (false, law(element, &[1.0]).0),
+    };
+    let mut best = 0;
+    for (place, segment) in segments.iter().enumerate() {
+        if resistance(segment) > resistance(&segments[best]) {
+            best = place;
+        }
+    }
+    best as u32
+}
+
+/// Loss at 1 kg/s [Pa] and head [Pa] of an element with these inputs.
+fn law(element: &StdElement, inputs: &[f32]) -> (f32, f32) {
+    let law = element.law(&Operating { inputs, mass_flow_kg_s: 1.0, density_ratio: 1.0 });
+    (law.resistance + law.linear, law.head)
+}
+
+/// The steady flow with everything open and every machine at its highest speed [kg/s], if no run with it could
+/// be trusted.
+fn excessive_flow(segments: &[Segment], drop_pa: f64) -> Option<f64> {
+    let (mut loss, mut drive) = (0.0, drop_pa.abs());
+    for segment in segments {
+        let most = segment.element.input_spec(0).map_or(1.0, |spec| spec.max);
+        let (resistance, head) = law(&segment.element, &[most]);
+        loss += f64::from(resistance);
+        drive += f64::from(head);
+    }
+    let flow = libm::sqrt(drive / loss);
+    (loss > 0.0 && flow > f64::from(Fault::FLOW_LIMIT_KG_S)).then_some(flow)
+}
+
+fn run_defaults(file: &NetworkFile, notes: &mut Notes) -> RunDefaults {
+    let run = &file.run;
+    let method = Method::from_name(&run.method);
+    if method.is_none() {
+        let names: Vec<_> = Method::ALL.iter().map(|method| method.name()).collect();
+        let span = notes.place("run", &["method"]);
+        let help = format!("methods: {}", names.join(", "));
+        notes.refuse_with(span, format!("there is no method `{}`", run.method), help);
+    }
+    let mut duration = |key: &str, text: &str| match duration_us(text) {
+        Ok(0) => {
+            notes.refuse_at("run", &[key], format!("`{key}` must be longer than nothing"));
+            1
+        }
+        Ok(us) => us,
+        Err(error) => {
+            notes.refuse_at("run", &[key], format!("`{text}`: {error}"));
+            1
+        }
+    };
+    let step_us = duration("step", &run.step);
+    let until_us = duration("until", &run.until);
+    let step_us = u32::try_from(step_us).unwrap_or_else(|_| {
+        notes.refuse_at("run", &["step"], "`step` is longer than an hour");
+        1
+    });
+    RunDefaults { method: method.unwrap_or(Method::Relaxation), step_us, until_us }
+}
+
+fn records(file: &NetworkFile, all: Vec<Record>, notes: &mut Notes) -> Vec<Record> {
+    let Some(wanted) = &file.run.record else { return all };
+    let mut list: Vec<Record> = Vec::with_capacity(wanted.len());
+    for (index, name) in wanted.iter().enumerate() {
+        let place = format!("run.record[{index}]");
+        match all.iter().find(|record| record.name == *name) {
+            Some(_) if list.iter().any(|record| record.name == *name) => {
+                notes.refuse_at(&place, &[], format!("`{name}` is recorded twice"));
+            }
+            Some(record) => list.push(record.clone()),
+            None => {
+                let span = notes.place(&place, &[]);
+                let help = "points are like `cabin.pressure`, `loop.mass_flow`, `fan.outlet_pressure`, `valve.opening`";
+                notes.refuse_with(span, format!("there is no point `{name}` to record"), help);
+            }
+        }
+    }
+    list
+}
+
+/// The core has the last word: on the tables, and on method and step.
+fn core_checks(loaded: &Loaded, notes: &mut Notes) {
+    let network = loaded.network();
+    if let Err(error) = network.check() {
+        reason::network(loaded, error, notes);
+    } else if let Err(error) = loaded.run.method.check(&network, loaded.run.step_us) {
+        reason::method(loaded, error, notes);
+    }
+}

@@ -1,0 +1,220 @@
+//! From TOML text to the document: keys, types, ranges.
+
+use std::ops::Range as Span;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::document::{
+    Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run,
+    SCHEMA, ScheduleEntry,
+};
+use crate::limits;
+use crate::table::{Notes, Table, number};
+
+/// Kinds of node and of element, as written.
+const NODE_KINDS: [&str; 2] = ["cabin", "boundary"];
+const ELEMENT_KINDS: [&str; 7] = ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed"];
+
+/// Reads the whole text; the document counts only if there are no findings.
+pub(crate) fn read(text: &str, notes: &mut Notes) -> Option<NetworkFile> {
+    if text.len() > limits::FILE_BYTES {
+        notes.refuse(
+            0..0,
+            format!("the file has {} bytes, at most {} are allowed", text.len(), limits::FILE_BYTES),
+        );
+        return None;
+    }
+    let (document, errors) = DeTable::parse_recoverable(text);
+    for error in &errors {
+        notes.refuse(error.span().unwrap_or(0..0), format!("not TOML: {}", error.message()));
+    }
+    if !errors.is_empty() {
+        return None;
+    }
+    // The root table has no header to point at: its first character stands for it.
+    let root = Table::new(notes, document.get_ref(), 0..text.len().min(1), String::new());
+    let file = root.read(read_file);
+    notes.findings.is_empty().then_some(file).flatten()
+}
+
+fn read_file(root: &mut Table<'_, '_>) -> Option<NetworkFile> {
+    let schema = root.need_number("schema", &limits::ANY);
+    if (schema - SCHEMA as f64).abs() > 0.0 && root.has("schema") {
+        root.refuse("schema", format!("schema {schema} is not known, this version reads schema {SCHEMA}"));
+        return None;
+    }
+    let name = root.need_id("name");
+    let title = root.text("title");
+    let reference_pressure_pa = root.need_number("reference_pressure_pa", &limits::PRESSURE);
+    let run = root.table("run", read_run).unwrap_or_else(default_run);
+    let nodes = root.tables("node", limits::NODES, read_node);
+    let lines = root.tables("line", limits::LINES, read_line);
+    let schedules = root.tables("schedule", limits::NODES, |table| Some(read_schedule(table)));
+    for (key, empty) in [("node", nodes.is_empty()), ("line", lines.is_empty())] {
+        if empty && !root.has(key) {
+            root.refuse(key, format!("there is no `[[{key}]]`"));
+        }
+    }
+    Some(NetworkFile { schema: SCHEMA, name, title, reference_pressure_pa, run, nodes, lines, schedules })
+}
+
+fn default_run() -> Run {
+    let text = |text: &str| text.to_owned();
+    Run { method: text(limits::METHOD), step: text(limits::STEP), until: text(limits::UNTIL), record: None }
+}
+
+fn read_run(run: &mut Table<'_, '_>) -> Run {
+    let default = default_run();
+    Run {
+        method: run.text("method").unwrap_or(default.method),
+        step: run.text("step").unwrap_or(default.step),
+        until: run.text("until").unwrap_or(default.until),
+        record: read_record(run),
+    }
+}
+
+fn read_record(run: &mut Table<'_, '_>) -> Option<Vec<String>> {
+    let mut points = Vec::new();
+    for value in run.array("record")? {
+        match value.get_ref() {
+            DeValue::String(point) => points.push(point.to_string()),
+            _ => run.notes.refuse(value.span(), "a recorded point is text, as in \"valve.mass_flow\""),
+        }
+    }
+    Some(points)
+}
+
+fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
+    let id = node.need_id("id");
+    let kind = match node.need_word("kind", &NODE_KINDS)?.as_str() {
+        "cabin" => NodeEntryKind::Cabin { volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME) },
+        _ => NodeEntryKind::Boundary,
+    };
+    let pressure_pa = node.need_number("pressure_pa", &limits::PRESSURE);
+    let temperature_k = node.need_number("temperature_k", &limits::TEMPERATURE);
+    Some(NodeEntry { id, kind, pressure_pa, temperature_k })
+}
+
+fn read_line(line: &mut Table<'_, '_>) -> Option<LineEntry> {
+    let entry = LineEntry {
+        id: line.need_id("id"),
+        from: line.need_text("from"),
+        to: line.need_text("to"),
+        laminar_below_pa: line.number("laminar_below_pa", &limits::PRESSURE),
+        initial_flow_kg_s: line.number("initial_flow_kg_s", &limits::MASS_FLOW),
+        reference_density_kg_m3: line.number("reference_density_kg_m3", &limits::DENSITY),
+        elements: line.tables("element", limits::ELEMENTS, read_element),
+    };
+    if entry.elements.is_empty() && !line.has("element") {
+        line.refuse("element", format!("line `{}` has no `[[line.element]]`", entry.id));
+    }
+    Some(entry)
+}
+
+fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
+    let id = element.need_id("id");
+    let kind = match element.need_word("kind", &ELEMENT_KINDS)?.as_str() {
+        "pipe" => ElementKind::Pipe { loss: read_loss(element) },
+        "reference_pipe" => ElementKind::ReferencePipe {
+            pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::REFERENCE_DROP),
+            mass_flow_kg_s: element.need_number("mass_flow_kg_s", &limits::REFERENCE_FLOW),
+            exponent: element.need_number("exponent", &limits::FLOW_EXPONENT),
+            density_kg_m3: element.number("density_kg_m3", &limits::DENSITY),
+        },
+        "valve" => ElementKind::Valve {
+            open_resistance_pa_s2_kg2: element
+                .need_number("open_resistance_pa_s2_kg2", &limits::SOME_RESISTANCE),
+            exponent: element.need_number("exponent", &limits::VALVE_EXPONENT),
+            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+            opening: element.number("opening", &limits::FRACTION),
+        },
+        "fan" => ElementKind::Fan(read_machine(element)),
+        "pump" => ElementKind::Pump(read_machine(element)),
+        "heat_exchanger" => ElementKind::HeatExchanger {
+            loss: read_loss(element),
+            liquid_fraction: element.need_number("liquid_fraction", &limits::FRACTION),
+            separator_efficiency: element.need_number("separator_efficiency", &limits::FRACTION),
+        },
+        _ => ElementKind::Bed {
+            loss: read_loss(element),
+            mass_fraction: element.need_number("mass_fraction", &limits::FRACTION),
+            capture_efficiency: element.need_number("capture_efficiency", &limits::FRACTION),
+        },
+    };
+    Some(ElementEntry {
+        id,
+        kind,
+        length_m: element.number("length_m", &limits::LENGTH),
+        diameter_m: element.number("diameter_m", &limits::DIAMETER),
+        area_m2: element.number("area_m2", &limits::AREA),
+        inertance_per_m: element.number("inertance_per_m", &limits::INERTANCE),
+        outlet_volume_m3: element.number("outlet_volume_m3", &limits::OUTLET_VOLUME),
+    })
+}
+
+fn read_loss(element: &mut Table<'_, '_>) -> Loss {
+    let resistance = element.number("resistance_pa_s2_kg2", &limits::RESISTANCE);
+    let coefficient = element.number("loss_coefficient", &limits::LOSS_COEFFICIENT);
+    let given = (element.has("resistance_pa_s2_kg2"), element.has("loss_coefficient"));
+    if given.0 == given.1 {
+        element.refuse(
+            "loss_coefficient",
+            "give the loss once: as `resistance_pa_s2_kg2`, or as `loss_coefficient` with a diameter or area",
+        );
+    }
+    match coefficient {
+        Some(loss_coefficient) => Loss::Coefficient { loss_coefficient },
+        None => Loss::Resistance { resistance_pa_s2_kg2: resistance.unwrap_or(1.0) },
+    }
+}
+
+fn read_machine(element: &mut Table<'_, '_>) -> Machine {
+    let curve = if element.has("h0_m") {
+        Curve::Head {
+            h0_m: element.need_number("h0_m", &limits::HEAD),
+            h1_s_m2: element.number("h1_s_m2", &limits::HEAD_LINEAR),
+            h2_s2_m5: element.need_number("h2_s2_m5", &limits::HEAD_QUADRATIC),
+        }
+    } else {
+        Curve::Pressure {
+            shutoff_pa: element.need_number("shutoff_pa", &limits::PRESSURE),
+            linear_pa_s_kg: element.number("linear_pa_s_kg", &limits::LINEAR_FALL),
+            quadratic_pa_s2_kg2: element.need_number("quadratic_pa_s2_kg2", &limits::SOME_RESISTANCE),
+        }
+    };
+    Machine { curve, speed: element.number("speed", &limits::SPEED) }
+}
+
+fn read_schedule(schedule: &mut Table<'_, '_>) -> ScheduleEntry {
+    let entry = ScheduleEntry {
+        input: schedule.need_text("input"),
+        interpolation: schedule.word("interpolation", &["linear", "hold"]),
+        points: read_points(schedule),
+    };
+    if entry.points.is_empty() {
+        schedule.refuse("points", "a schedule needs `points`, as in [[0.0, 1.0], [10.0, 0.5]]");
+    }
+    entry
+}
+
+fn read_points(schedule: &mut Table<'_, '_>) -> Vec<(f64, f64)> {
+    let Some(array) = schedule.array("points") else { return Vec::new() };
+    if array.len() > limits::SCHEDULE_POINTS {
+        schedule.refuse("points", format!("more than {} points", limits::SCHEDULE_POINTS));
+        return Vec::new();
+    }
+    let mut points = Vec::with_capacity(array.len());
+    for value in array {
+        let pair = value.get_ref().as_array().map(AsRef::as_ref);
+        if let Some([time, level]) = pair {
+            // A time is kept in whole microseconds, so it need not fit single precision.
+            let time = number(schedule.notes, "time", time, &limits::TIME);
+            let level = number(schedule.notes, "value", level, &limits::ANY);
+            points.push((time.unwrap_or(0.0), level.unwrap_or(0.0)));
+        } else {
+            let span: Span<usize> = value.span();
+            schedule.notes.refuse(span, "a point is a pair of time [s] and value, as in [10.0, 0.5]");
+        }
+    }
+    points
+}

@@ -1,0 +1,119 @@
+//! The core's errors in the words and at the places of the file.
+
+use eclss_core::{MethodError, NetworkError, ParameterError, Reason};
+
+use crate::loaded::Loaded;
+use crate::table::Notes;
+
+/// The keys from which a parameter of the core comes, the likeliest first.
+pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
+    match parameter {
+        "reference_pa" => &["reference_pressure_pa"],
+        "start_gauge_pa" => &["pressure_pa"],
+        "start_flow_kg_s" => &["initial_flow_kg_s"],
+        "laminar_below_pa" => &["laminar_below_pa"],
+        "resistance_pa_s2_kg2" => &["resistance_pa_s2_kg2", "loss_coefficient"],
+        "shutoff_pa" => &["shutoff_pa", "h0_m"],
+        "linear_pa_s_kg" => &["linear_pa_s_kg", "h1_s_m2"],
+        "quadratic_pa_s2_kg2" => &["quadratic_pa_s2_kg2", "h2_s2_m5"],
+        "inertance_per_m" => &["inertance_per_m", "length_m"],
+        "outlet_volume_m3" => &["outlet_volume_m3", "length_m"],
+        "volume_m3" => &["volume_m3"],
+        "temperature_k" => &["temperature_k"],
+        "pressure_drop_pa" => &["pressure_drop_pa"],
+        "mass_flow_kg_s" => &["mass_flow_kg_s"],
+        "exponent" => &["exponent"],
+        "open_resistance_pa_s2_kg2" => &["open_resistance_pa_s2_kg2"],
+        "leakage_opening" => &["leakage_opening"],
+        "liquid_fraction" => &["liquid_fraction"],
+        "separator_efficiency" => &["separator_efficiency"],
+        "mass_fraction" => &["mass_fraction"],
+        "capture_efficiency" => &["capture_efficiency"],
+        _ => &[],
+    }
+}
+
+/// A refused parameter in words.
+pub(crate) fn text(error: ParameterError) -> String {
+    let reason = match error.reason {
+        Reason::NotFinite => "must be finite in single precision",
+        Reason::Negative => "must not be below 0",
+        Reason::NotPositive => "must be above 0",
+        Reason::NotAFraction => "must lie in 0 … 1",
+        Reason::OutsideValidity => "lies outside the range for which its law is known",
+        Reason::NotFalling => "does not make the head curve fall with flow",
+    };
+    format!("`{}` {reason}", keys_of(error.parameter).first().unwrap_or(&error.parameter))
+}
+
+/// Path of the table of segment `index`.
+fn element_path(loaded: &Loaded, index: u32) -> String {
+    let line = loaded.lines.iter().position(|line| {
+        (line.first_segment..line.first_segment.saturating_add(line.segments)).contains(&index)
+    });
+    let line = line.unwrap_or(0);
+    let first = loaded.lines.get(line).map_or(0, |line| line.first_segment);
+    format!("line[{line}].element[{}]", index.saturating_sub(first))
+}
+
+/// Ties an error of the network's check to its place.
+pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
+    let (path, keys, reason): (String, &[&str], String) = match error {
+        NetworkError::Empty => (String::new(), &["node", "line"], "there is no node or no line".into()),
+        NetworkError::Reference(error) => (String::new(), keys_of(error.parameter), text(error)),
+        NetworkError::Node(index, error) => (format!("node[{index}]"), keys_of(error.parameter), text(error)),
+        NetworkError::UnconnectedNode(index) => {
+            (format!("node[{index}]"), &["id"], "no line reaches this node".into())
+        }
+        NetworkError::NoSuchNode(index) => {
+            (format!("line[{index}]"), &["from", "to"], "names a node that does not exist".into())
+        }
+        NetworkError::Line(index, error) => (format!("line[{index}]"), keys_of(error.parameter), text(error)),
+        NetworkError::LineWithoutLoss(index) => (
+            format!("line[{index}]"),
+            &["id"],
+            "the line loses no pressure at any flow, so its flow has no value; give an element a loss".into(),
+        ),
+        NetworkError::Segment(index, error) => {
+            (element_path(loaded, index), keys_of(error.parameter), text(error))
+        }
+        NetworkError::InputRange(index) | NetworkError::InputValue(index) => (
+            element_path(loaded, index),
+            &["opening", "speed"],
+            "the start value of an input is out of its range".into(),
+        ),
+        NetworkError::Schedule(index) => {
+            (format!("schedule[{index}]"), &["points"], "input, points or times do not fit".into())
+        }
+        // These follow from the tables that this crate builds and say that it built them wrong.
+        NetworkError::SegmentRange(index) | NetworkError::FlowSegment(index) => {
+            (format!("line[{index}]"), &[], format!("internal: {error:?}"))
+        }
+        NetworkError::ActiveList => (String::new(), &["line"], format!("internal: {error:?}")),
+    };
+    notes.refuse_at(&path, keys, reason);
+}
+
+/// Ties an error of the method's check to its place.
+pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
+    let run = &loaded.file.run;
+    match error {
+        MethodError::Step { longest_us } => {
+            let reason = format!(
+                "step {} is too long for method {}, which takes up to {longest_us} µs",
+                run.step, run.method
+            );
+            notes.refuse_at("run", &["step", "method"], reason);
+        }
+        MethodError::NodeTooSmall(index) => {
+            let path = format!("node[{index}]");
+            let span = notes.place(&path, &["volume_m3"]);
+            let reason = format!("too small for method {} with step {}", run.method, run.step);
+            notes.refuse_with(
+                span,
+                reason,
+                "take a shorter step in [run], or join the volume with its neighbour",
+            );
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! Reads TOML tables key by key and collects what is wrong instead of stopping at it.
+//!
+//! A value that is refused is recorded as a finding and replaced by a stand-in, so that the rest of the file is
+//! still looked at; with any finding the document is thrown away.
+
+use std::collections::HashMap;
+use std::ops::Range as Span;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Finding;
+use crate::limits::{ID_BYTES, Range};
+
+/// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
+#[derive(Debug, Default)]
+pub(crate) struct Notes {
+    pub(crate) findings: Vec<Finding>,
+    places: HashMap<String, Span<usize>>,
+}
+
+impl Notes {
+    /// Records a problem at a span.
+    pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
+        self.findings.push(Finding { reason: reason.into(), help: None, span: Some(span) });
+    }
+
+    /// Records a problem with advice.
+    pub(crate) fn refuse_with(
+        &mut self,
+        span: Span<usize>,
+        reason: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let (reason, help) = (reason.into(), Some(help.into()));
+        self.findings.push(Finding { reason, help, span: Some(span) });
+    }
+
+    /// Records a problem at the first of `keys` that stands in the table at `path`, else at the table.
+    pub(crate) fn refuse_at(&mut self, path: &str, keys: &[&str], reason: impl Into<String>) {
+        let span = self.place(path, keys);
+        self.refuse(span, reason);
+    }
+
+    /// Where the first of `keys` stands that is in the table at `path`, else the table, else the file's start.
+    pub(crate) fn place(&self, path: &str, keys: &[&str]) -> Span<usize> {
+        let of_key = keys.iter().find_map(|key| self.places.get(&join(path, key)));
+        of_key.or_else(|| self.places.get(path)).cloned().unwrap_or(0..0)
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// One table while it is read.
+pub(crate) struct Table<'n, 't> {
+    pub(crate) notes: &'n mut Notes,
+    table: &'t DeTable<'t>,
+    span: Span<usize>,
+    path: String,
+    known: Vec<&'static str>,
+}
+
+impl<'n, 't> Table<'n, 't> {
+    pub(crate) fn new(notes: &'n mut Notes, table: &'t DeTable<'t>, span: Span<usize>, path: String) -> Self {
+        notes.places.insert(path.clone(), span.clone());
+        Self { notes, table, span, path, known: Vec::new() }
+    }
+
+    /// The value of `key`, which counts as known from here on.
+    fn value(&mut self, key: &'static str) -> Option<&'t Spanned<DeValue<'t>>> {
+        self.known.push(key);
+        let value = self.table.get(key)?;
+        self.notes.places.insert(join(&self.path, key), value.span());
+        Some(value)
+    }
+
+    /// Whether `key` stands in the table.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    /// Records a problem at the value of `key`, else at the table.
+    pub(crate) fn refuse(&mut self, key: &str, reason: impl Into<String>) {
+        let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
+        self.notes.refuse(span, reason);
+    }
+
+    fn missing(&mut self, key: &str) {
+        let span = self.span.clone();
+        self.notes.refuse(span, format!("`{key}` is missing"));
+    }
+
+    /// Text of a key that may be absent.
+    pub(crate) fn text(&mut self, key: &'static str) -> Option<String> {
+        let value = self.value(key)?;
+        match value.get_ref() {
+            DeValue::String(text) => Some(text.to_string()),
+            other => {
+                self.notes.refuse(value.span(), format!("`{key}` must be text, not {}", kind_of(other)));
+                None
+            }
+        }
+    }
+
+    /// Text of a key that must be there.
+    pub(crate) fn need_text(&mut self, key: &'static str) -> String {
+        if !self.has(key) {
+            self.known.push(key);
+            self.missing(key);
+        }
+        self.text(key).unwrap_or_default()
+    }
+
+    /// An id: a small letter, then small letters, digits and underscores.
+    pub(crate) fn need_id(&mut self, key: &'static str) -> String {
+        let before = self.notes.findings.len();
+        let id = self.need_text(key);
+        if self.notes.findings.len() == before && !is_id(&id) {
+            let span = self.notes.place(&self.path, &[key]);
+            let help =
+                format!("ids are like `fan_2`: a-z, then a-z, 0-9 and _, at most {ID_BYTES} characters");
+            self.notes.refuse_with(span, format!("`{id}` is not an id"), help);
+        }
+        id
+    }
+
+    /// One of a set of words; `None` when absent or refused.
+    pub(crate) fn word(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
+        let text = self.text(key)?;
+        if words.contains(&text.as_str()) {
+            return Some(text);
+        }
+        let span = self.notes.place(&self.path, &[key]);
+        let help = format!("{key} is one of {}", words.join(", "));
+        self.notes.refuse_with(span, format!("`{text}` is not a {key} that exists"), help);
+        None
+    }
+
+    /// One of a set of words that must be there.
+    pub(crate) fn need_word(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
+        if !self.has(key) {
+            self.known.push(key);
+            self.missing(key);
+        }
+        self.word(key, words)
+    }
+
+    /// Number of a key that may be absent.
+    pub(crate) fn number(&mut self, key: &'static str, range: &Range) -> Option<f64> {
+        let value = self.value(key)?;
+        number(self.notes, key, value, range)
+    }
+
+    /// Number of a key that must be there.
+    pub(crate) fn need_number(&mut self, key: &'static str, range: &Range) -> f64 {
+        if !self.has(key) {
+            self.known.push(key);
+            self.missing(key);
+        }
+        // The stand-in is never used: a finding was recorded.
+        self.number(key, range).unwrap_or(1.0)
+    }
+
+    /// The values of an array; `None` when absent or refused.
+    pub(crate) fn array(&mut self, key: &'static str) -> Option<&'t [Spanned<DeValue<'t>>]> {
+        let value = self.value(key)?;
+        match value.get_ref() {
+            DeValue::Array(array) => Some(array.as_ref()),
+            other => {
+                self.notes.refuse(value.span(), format!("`{key}` must be a list, not {}", kind_of(other)));
+                None
+            }
+        }
+    }
+
+    /// Reads the table of `key` with `read`; `None` when absent or refused.
+    pub(crate) fn table<T>(
+        &mut self,
+        key: &'static str,
+        read: impl FnOnce(&mut Table<'_, 't>) -> T,
+    ) -> Option<T> {
+        let value = self.value(key)?;
+        let DeValue::Table(table) = value.get_ref() else {
+            self.notes.refuse(value.span(), format!("`{key}` must be a table `[{key}]`"));
+            return None;
+        };
+        let path = join(&self.path, key);
+        Some(Table::new(self.notes, table, value.span(), path).read(read))
+    }
+
+    /// Reads every table of `[[key]]` with `read`, up to `most` of them.
+    pub(crate) fn tables<T>(
+        &mut self,
+        key: &'static str,
+        most: usize,
+        mut read: impl FnMut(&mut Table<'_, 't>) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(array) = self.array(key) else { return Vec::new() };
+        if array.len() > most {
+            self.refuse(key, format!("{} tables `[[{key}]]`, at most {most} are allowed", array.len()));
+            return Vec::new();
+        }
+        let mut list = Vec::with_capacity(array.len());
+        for (index, value) in array.iter().enumerate() {
+            if let DeValue::Table(table) = value.get_ref() {
+                let path = format!("{}[{index}]", join(&self.path, key));
+                list.extend(Table::new(self.notes, table, value.span(), path).read(&mut read));
+            } else {
+                self.notes.refuse(value.span(), format!("`{key}` must be tables `[[{key}]]`"));
+            }
+        }
+        list
+    }
+
+    /// Reads the table and refuses the keys that nobody asked for.
+    pub(crate) fn read<T>(mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+        let result = read(&mut self);
+        for key in self.table.keys() {
+            if !self.known.contains(&key.get_ref().as_ref()) {
+                let name = key.get_ref();
+                let nearest = self.known.iter().min_by_key(|known| distance(name, known));
+                let help = match nearest.filter(|known| distance(name, known) <= 3) {
+                    Some(nearest) => format!("did you mean `{nearest}`?"),
+                    None => format!("known here: {}", self.known.join(", ")),
+                };
+                self.notes.refuse_with(key.span(), format!("unknown key `{name}`"), help);
+            }
+        }
+        result
+    }
+}
+
+/// A number in range that `f32` can hold.
+pub(crate) fn number(
+    notes: &mut Notes,
+    key: &str,
+    value: &Spanned<DeValue<'_>>,
+    range: &Range,
+) -> Option<f64> {
+    let parsed = match value.get_ref() {
+        DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+        }
+        other => {
+            notes.refuse(value.span(), format!("`{key}` must be a number, not {}", kind_of(other)));
+            return None;
+        }
+    };
+    let reason = match parsed {
+        None => format!("`{key}` is a number too large to read"),
+        Some(number) if !number.is_finite() => format!("`{key}` must be finite, not {number}"),
+        Some(number) if !range.values.contains(&number) => {
+            let (from, to) = (range.values.start(), range.values.end());
+            let unit = if range.unit == "1" { String::new() } else { format!(" {}", range.unit) };
+            format!("`{key}` must lie in {from} … {to}{unit}, not at {number}")
+        }
+        Some(number) if single(number).is_none() => {
+            format!("`{key}` = {number:e} does not fit single precision")
+        }
+        Some(number) => return Some(number),
+    };
+    notes.refuse(value.span(), reason);
+    None
+}
+
+/// Rounds to `f32`; `None` where that overflows, or turns what is not zero into zero or a subnormal.
+pub(crate) fn single(number: f64) -> Option<f32> {
+    let rounded = number as f32;
+    (rounded.is_normal() || (rounded == 0.0 && number == 0.0)).then_some(rounded)
+}
+
+fn is_id(id: &str) -> bool {
+    id.len() <= ID_BYTES
+        && id.starts_with(|first: char| first.is_ascii_lowercase())
+        && id.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_')
+}
+
+fn kind_of(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "text",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// Edits that turn `a` into `b` (Levenshtein), for advice only.
+fn distance(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.bytes().enumerate() {
+        let mut diagonal = i;
+        row[0] = i + 1;
+        for (j, y) in b.bytes().enumerate() {
+            let change = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
