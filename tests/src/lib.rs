@@ -1,9 +1,14 @@
 //! What the tests of eclss-rt measure against: the equations in `f64`, written down a second time and solved
 //! by other people's solvers.
 //!
-//! Nothing here uses the product's numerics. [`paper`] holds the paper's loop, [`tight`] integrates a
-//! right-hand side with diffsol, [`reference`] is the stored solution that the product ships.
+//! [`paper`] holds the paper's loop, [`physical`] the same loop with inertance and storage, [`tight`]
+//! integrates a right-hand side with diffsol, [`spectrum`] takes eigenvalues, [`reference`] is the stored
+//! solution that the product ships. None of these uses the product's numerics; [`product`] runs them.
 
+pub mod dice;
+pub mod model;
 pub mod paper;
+pub mod product;
 pub mod reference;
+pub mod spectrum;
 pub mod tight;
