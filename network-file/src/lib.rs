@@ -45,9 +45,11 @@ mod input;
 pub mod limits;
 mod loaded;
 mod lower;
+mod plan;
 mod read;
 mod reason;
 mod record;
+mod rust;
 mod table;
 
 use std::path::Path;
@@ -56,6 +58,7 @@ pub use document::NetworkFile;
 pub use duration::{DurationError, duration_us};
 pub use error::{FileError, Problem};
 pub use loaded::{Loaded, Names, RunDefaults};
+pub use plan::PlanTables;
 pub use record::{Quantity, Record};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.

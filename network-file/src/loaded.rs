@@ -3,6 +3,7 @@
 use eclss_core::{Active, Line, Method, Network, Node, Schedule, SchedulePoint, Segment};
 
 use crate::document::NetworkFile;
+use crate::plan::PlanTables;
 use crate::record::Record;
 
 /// A network that was read, checked and converted; owns what [`Network`] borrows.
@@ -32,6 +33,8 @@ pub struct Loaded {
     pub schedules: Vec<Schedule>,
     /// Points of all schedules.
     pub points: Vec<SchedulePoint>,
+    /// Connection tables.
+    pub plan: PlanTables,
 }
 
 /// Ids from the file at the indices that the core uses.
@@ -70,7 +73,7 @@ impl Loaded {
             inputs: &self.inputs,
             schedules: &self.schedules,
             points: &self.points,
-            plan: eclss_core::Plan::EMPTY,
+            plan: self.plan.plan(),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::element::Conversion;
 use crate::input::{self, Slot};
 use crate::limits;
 use crate::loaded::{Loaded, Names, RunDefaults};
+use crate::plan::PlanTables;
 use crate::reason;
 use crate::record::{self, Record};
 use crate::table::{Notes, single};
@@ -45,6 +46,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         run,
         records,
         reference_pa: file.reference_pressure_pa as f32,
+        plan: PlanTables::new(&nodes, &tables.lines),
         nodes,
         lines: tables.lines,
         segments: tables.segments,

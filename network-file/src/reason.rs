@@ -97,23 +97,21 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
 /// Ties an error of the method's check to its place.
 pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
     let run = &loaded.file.run;
-    match error {
-        MethodError::Step { longest_us } => {
-            let reason = format!(
-                "step {} is too long for method {}, which takes up to {longest_us} µs",
-                run.step, run.method
-            );
-            notes.refuse_at("run", &["step", "method"], reason);
-        }
-        MethodError::NodeTooSmall(index) => {
-            let path = format!("node[{index}]");
-            let span = notes.place(&path, &["volume_m3"]);
-            let reason = format!("too small for method {} with step {}", run.method, run.step);
-            notes.refuse_with(
-                span,
-                reason,
-                "take a shorter step in [run], or join the volume with its neighbour",
-            );
-        }
+    if let MethodError::NodeTooSmall(index) = error {
+        let span = notes.place(&format!("node[{index}]"), &["volume_m3"]);
+        let reason = format!("too small for method {} with step {}", run.method, run.step);
+        notes.refuse_with(
+            span,
+            reason,
+            "take a shorter step in [run], or join the volume with its neighbour",
+        );
+    } else if let MethodError::Step { longest_us } = error {
+        let (step, method) = (&run.step, &run.method);
+        let reason =
+            format!("step {step} is too long for method {method}, which takes up to {longest_us} µs");
+        notes.refuse_at("run", &["step", "method"], reason);
+    } else {
+        let reason = format!("method {} does not take this network: {error:?}", run.method);
+        notes.refuse_at("run", &["method"], reason);
     }
 }

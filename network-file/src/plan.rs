@@ -1,0 +1,214 @@
+//! Connection tables of a network: the order of sums and of elimination.
+//!
+//! The implicit methods eliminate the nodes of unknown pressure one after the other. Each step takes the node
+//! with the fewest neighbours left (minimum degree, the lowest index among equals), which keeps a chain
+//! tridiagonal and leaves the hub of a star for the end. The pattern with its fill is written down here once;
+//! a step of the method then never searches.
+
+use std::collections::BTreeSet;
+
+use eclss_core::{Line, Node, NodeKind, Plan};
+
+/// Owned connection tables; what [`Plan`] borrows.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PlanTables {
+    /// For every node the first of its entries in `ends`, and one past the last.
+    pub end_start: Vec<u32>,
+    /// The ends of lines at every node: twice the line's index, plus one for its outlet.
+    pub ends: Vec<u32>,
+    /// Nodes of unknown pressure in the order of elimination.
+    pub order: Vec<u32>,
+    /// For every row the first of its entries in `columns`, and one past the last.
+    pub row_start: Vec<u32>,
+    /// Columns of the entries with fill, ascending within a row.
+    pub columns: Vec<u32>,
+    /// Entry of the diagonal in every row.
+    pub diagonal: Vec<u32>,
+    /// Entries that a line adds to: (from, from), (from, to), (to, from), (to, to).
+    pub stamps: Vec<[u32; 4]>,
+    /// Position in `order` of every node.
+    pub row_of: Vec<u32>,
+}
+
+impl PlanTables {
+    /// Makes the tables for lines between nodes; every line's nodes must exist.
+    pub fn new(nodes: &[Node], lines: &[Line]) -> Self {
+        let (end_start, ends) = ends(nodes.len(), lines);
+        let (order, rows) = eliminate(nodes, lines);
+        let mut row_of = vec![Plan::NOWHERE; nodes.len()];
+        for (row, &node) in order.iter().enumerate() {
+            row_of[node as usize] = row as u32;
+        }
+        let mut tables = Self { end_start, ends, order, row_of, ..Self::default() };
+        tables.row_start.push(0);
+        for (row, nodes) in rows.iter().enumerate() {
+            let mut columns: Vec<u32> = nodes.iter().map(|&node| tables.row_of[node as usize]).collect();
+            columns.sort_unstable();
+            let before = columns.partition_point(|&column| (column as usize) < row);
+            tables.diagonal.push((tables.columns.len() + before) as u32);
+            tables.columns.extend(columns);
+            tables.row_start.push(tables.columns.len() as u32);
+        }
+        tables.stamps = lines.iter().map(|line| tables.stamp(line)).collect();
+        tables
+    }
+
+    /// Lends the tables.
+    pub fn plan(&self) -> Plan<'_> {
+        Plan {
+            end_start: &self.end_start,
+            ends: &self.ends,
+            order: &self.order,
+            row_start: &self.row_start,
+            columns: &self.columns,
+            diagonal: &self.diagonal,
+            stamps: &self.stamps,
+            row_of: &self.row_of,
+        }
+    }
+
+    fn stamp(&self, line: &Line) -> [u32; 4] {
+        let (from, to) = (self.row_of[line.from as usize], self.row_of[line.to as usize]);
+        let across = |row, column| if from == to { Plan::NOWHERE } else { self.entry(row, column) };
+        [self.entry(from, from), across(from, to), across(to, from), self.entry(to, to)]
+    }
+
+    /// Where the entry of a row and column stands.
+    fn entry(&self, row: u32, column: u32) -> u32 {
+        if row == Plan::NOWHERE || column == Plan::NOWHERE {
+            return Plan::NOWHERE;
+        }
+        let first = self.row_start[row as usize];
+        let columns = &self.columns[first as usize..self.row_start[row as usize + 1] as usize];
+        columns.binary_search(&column).map_or(Plan::NOWHERE, |place| first + place as u32)
+    }
+}
+
+/// Lists the line ends at every node in ascending order.
+fn ends(nodes: usize, lines: &[Line]) -> (Vec<u32>, Vec<u32>) {
+    let mut of_node = vec![Vec::new(); nodes];
+    for (index, line) in (0u32..).zip(lines) {
+        of_node[line.from as usize].push(2 * index);
+        of_node[line.to as usize].push(2 * index + 1);
+    }
+    let mut start = vec![0];
+    let mut ends = Vec::with_capacity(2 * lines.len());
+    for list in of_node {
+        ends.extend(list);
+        start.push(ends.len() as u32);
+    }
+    (start, ends)
+}
+
+/// Returns the order of elimination and, for every row in that order, the nodes in its pattern with fill.
+fn eliminate(nodes: &[Node], lines: &[Line]) -> (Vec<u32>, Vec<BTreeSet<u32>>) {
+    let unknown = |node: u32| nodes[node as usize].kind != NodeKind::Boundary;
+    let count = nodes.len() as u32;
+    // Neighbours that are left, and everything that was ever in the row.
+    let mut left: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); nodes.len()];
+    for line in lines.iter().filter(|line| line.from != line.to && unknown(line.from) && unknown(line.to)) {
+        left[line.from as usize].insert(line.to);
+        left[line.to as usize].insert(line.from);
+    }
+    let mut pattern: Vec<BTreeSet<u32>> = (0..count).map(|node| BTreeSet::from([node])).collect();
+    for (row, neighbours) in pattern.iter_mut().zip(&left) {
+        row.extend(neighbours);
+    }
+    let mut queue: BTreeSet<(usize, u32)> =
+        (0..count).filter(|&node| unknown(node)).map(|node| (left[node as usize].len(), node)).collect();
+    let mut order = Vec::with_capacity(queue.len());
+    while let Some((_, node)) = queue.pop_first() {
+        order.push(node);
+        let neighbours = std::mem::take(&mut left[node as usize]);
+        for &neighbour in &neighbours {
+            let row = &mut left[neighbour as usize];
+            queue.remove(&(row.len(), neighbour));
+            row.extend(neighbours.iter().filter(|&&other| other != neighbour));
+            row.remove(&node);
+            queue.insert((row.len(), neighbour));
+            pattern[neighbour as usize].extend(row.iter());
+        }
+    }
+    let rows = order.iter().map(|&node| std::mem::take(&mut pattern[node as usize])).collect();
+    (order, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nodes(count: usize) -> Vec<Node> {
+        let kind = NodeKind::Cabin { volume_m3: 60.0 };
+        vec![Node { kind, start_gauge_pa: 0.0, temperature_k: 295.15 }; count]
+    }
+
+    fn line((from, to): (u32, u32)) -> Line {
+        Line {
+            from,
+            to,
+            first_segment: 0,
+            segments: 1,
+            flow_segment: 0,
+            laminar_below_pa: 0.0,
+            start_flow_kg_s: 0.0,
+        }
+    }
+
+    fn tables(count: usize, pairs: &[(u32, u32)]) -> PlanTables {
+        PlanTables::new(&nodes(count), &pairs.iter().copied().map(line).collect::<Vec<_>>())
+    }
+
+    /// What elimination needs: no pair of later neighbours of a node lacks an entry.
+    fn closed_under_fill(tables: &PlanTables) -> bool {
+        let rows = tables.order.len() as u32;
+        let has = |row, column| tables.entry(row, column) != Plan::NOWHERE;
+        (0..rows).all(|by| {
+            let later: Vec<u32> = (by + 1..rows).filter(|&row| has(row, by)).collect();
+            later.iter().all(|&row| later.iter().all(|&column| has(row, column)))
+        })
+    }
+
+    #[test]
+    fn a_chain_stays_tridiagonal_whatever_the_order_of_its_nodes() {
+        let shuffled: Vec<u32> = (0..50).map(|index| index * 17 % 50).collect();
+        let pairs: Vec<_> = shuffled.windows(2).map(|pair| (pair[0], pair[1])).collect();
+        let tables = tables(50, &pairs);
+        assert_eq!(tables.columns.len(), 3 * 50 - 2);
+        assert!(closed_under_fill(&tables));
+    }
+
+    #[test]
+    fn the_hub_of_a_star_waits_for_the_end() {
+        let pairs: Vec<_> = (1..20).map(|leaf| (0, leaf)).collect();
+        let tables = tables(20, &pairs);
+        assert_eq!(tables.columns.len(), 20 + 2 * 19);
+        assert!(tables.order[18..].contains(&0));
+    }
+
+    #[test]
+    fn a_mesh_has_all_its_fill() {
+        let side = 7;
+        let mut pairs = Vec::new();
+        for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
+            let node = row * side + column;
+            pairs.extend((column + 1 < side).then_some((node, node + 1)));
+            pairs.extend((row + 1 < side).then_some((node, node + side)));
+        }
+        let tables = tables(49, &pairs);
+        assert!(closed_under_fill(&tables));
+        assert!(pairs.iter().zip(&tables.stamps).all(|(_, stamps)| !stamps.contains(&Plan::NOWHERE)));
+    }
+
+    #[test]
+    fn boundaries_and_loops_have_no_entries_of_their_own() {
+        let mut nodes = nodes(3);
+        nodes[1].kind = NodeKind::Boundary;
+        let lines = [line((0, 1)), line((2, 2)), line((0, 2))];
+        let tables = PlanTables::new(&nodes, &lines);
+        let no = Plan::NOWHERE;
+        assert_eq!(tables.row_of, [0, no, 1]);
+        assert_eq!(tables.stamps, [[0, no, no, no], [3, no, no, 3], [0, 1, 2, 3]]);
+        assert_eq!(tables.end_start, [0, 2, 3, 6]);
+        assert_eq!(tables.ends, [0, 4, 1, 2, 3, 5]);
+    }
+}

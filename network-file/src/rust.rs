@@ -1,0 +1,145 @@
+//! Writes a network as Rust source: constant tables that a board keeps in flash.
+//!
+//! The shortest decimal form of an `f32` reads back as the same bits, so the tables are the loaded ones to the
+//! bit, and so is the network id.
+
+use std::fmt::{Debug, Write as _};
+
+use eclss_core::{Method, NodeKind};
+
+use crate::loaded::Loaded;
+
+impl Loaded {
+    /// Returns Rust source with the network as `static` tables, to be included into a module of its own.
+    ///
+    /// It offers `NETWORK`, `NETWORK_ID`, `NAME`, `METHOD`, `STEP_US`, `UNTIL_US`, the tables (`NODES`, `LINES`
+    /// and so on), `NODE_NAMES`, `LINE_NAMES`, `SEGMENT_NAMES`, `INPUT_NAMES`, and for every method the lengths
+    /// of its buffers as a constant (`RELAXATION` and so on) of type [`eclss_core::Sizes`]:
+    ///
+    /// ```text
+    /// #[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
+    /// mod network {
+    ///     include!(concat!(env!("OUT_DIR"), "/network.rs"));
+    /// }
+    /// use network::RELAXATION as LENGTH;
+    /// let mut storage =
+    ///     Storage::<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>::new();
+    /// ```
+    pub fn to_rust(&self) -> String {
+        let mut text = String::new();
+        text.push_str("// Generated from a network file; do not edit.\n\n");
+        text.push_str(
+            "#[allow(unused_imports)] // a network need not have every kind of element\n\
+             use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};\n\
+             #[allow(unused_imports)] // nor schedules\n\
+             use ::eclss_core::{\n    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
+             SchedulePoint, Segment, Sizes,\n    StdElement,\n};\n",
+        );
+        self.write_constants(&mut text);
+        self.write_tables(&mut text);
+        self.write_plan(&mut text);
+        self.write_network(&mut text);
+        text
+    }
+
+    fn write_constants(&self, text: &mut String) {
+        let run = &self.run;
+        let network = self.network();
+        constant(text, "Name of the network.", "NAME", "&str", format!("{:?}", self.file.name));
+        constant(text, "Network id.", "NETWORK_ID", "u64", format!("0x{:016x}", network.id()));
+        constant(text, "Method of the file.", "METHOD", "Method", format!("Method::{:?}", run.method));
+        constant(text, "Step of the file [µs].", "STEP_US", "u32", run.step_us);
+        constant(text, "End of a run of the file [µs].", "UNTIL_US", "u64", run.until_us);
+        for method in Method::ALL {
+            let (name, sizes) = (method.name(), method.sizes(&network));
+            let upper = name.to_uppercase().replace('-', "_");
+            constant(text, &format!("Buffers that `{name}` needs."), &upper, "Sizes", format!("{sizes:?}"));
+        }
+    }
+
+    fn write_tables(&self, text: &mut String) {
+        table(text, "Nodes.", "NODES", "Node", &self.nodes, |node| {
+            let kind = match node.kind {
+                NodeKind::Cabin { volume_m3 } => format!("Cabin {{ volume_m3: {volume_m3:?} }}"),
+                NodeKind::Boundary => "Boundary".to_owned(),
+            };
+            let (gauge, temperature) = (node.start_gauge_pa, node.temperature_k);
+            format!(
+                "Node {{ kind: NodeKind::{kind}, start_gauge_pa: {gauge:?}, temperature_k: {temperature:?} }}"
+            )
+        });
+        table(text, "Lines.", "LINES", "Line", &self.lines, debug);
+        table(text, "Segments of all lines.", "SEGMENTS", "Segment", &self.segments, |segment| {
+            format!(
+                "Segment {{ element: StdElement::{:?}, inertance_per_m: {:?}, outlet_volume_m3: {:?}, \
+                 first_input: {} }}",
+                segment.element, segment.inertance_per_m, segment.outlet_volume_m3, segment.first_input
+            )
+        });
+        table(text, "Segments whose law changes.", "ACTIVE", "Active", &self.active, debug);
+        table(text, "Start values of the inputs.", "INPUTS", "f32", &self.inputs, debug);
+        table(text, "Schedules.", "SCHEDULES", "Schedule", &self.schedules, |schedule| {
+            format!(
+                "Schedule {{ input: {}, first_point: {}, points: {}, interpolation: Interpolation::{:?} }}",
+                schedule.input, schedule.first_point, schedule.points, schedule.interpolation
+            )
+        });
+        table(text, "Points of all schedules.", "POINTS", "SchedulePoint", &self.points, debug);
+        let names = &self.names;
+        table(text, "Ids of the nodes.", "NODE_NAMES", "&str", &names.nodes, debug);
+        table(text, "Ids of the lines.", "LINE_NAMES", "&str", &names.lines, debug);
+        table(text, "Ids of the elements, one per segment.", "SEGMENT_NAMES", "&str", &names.segments, debug);
+        table(text, "Names of the inputs.", "INPUT_NAMES", "&str", &names.inputs, debug);
+    }
+
+    fn write_plan(&self, text: &mut String) {
+        let plan = &self.plan;
+        let lists = [
+            ("PLAN_END_START", &plan.end_start),
+            ("PLAN_ENDS", &plan.ends),
+            ("PLAN_ORDER", &plan.order),
+            ("PLAN_ROW_START", &plan.row_start),
+            ("PLAN_COLUMNS", &plan.columns),
+            ("PLAN_DIAGONAL", &plan.diagonal),
+            ("PLAN_ROW_OF", &plan.row_of),
+        ];
+        for (name, list) in lists {
+            let _ = writeln!(text, "\nstatic {name}: [u32; {}] = {list:?};", list.len());
+        }
+        let _ =
+            writeln!(text, "\nstatic PLAN_STAMPS: [[u32; 4]; {}] = {:?};", plan.stamps.len(), plan.stamps);
+    }
+
+    fn write_network(&self, text: &mut String) {
+        let _ = write!(
+            text,
+            "\n/// The description.\n\
+             pub static NETWORK: Network<'static> = Network {{\n    \
+                 reference_pa: {:?},\n    nodes: &NODES,\n    lines: &LINES,\n    segments: &SEGMENTS,\n    \
+                 active: &ACTIVE,\n    inputs: &INPUTS,\n    schedules: &SCHEDULES,\n    points: &POINTS,\n    \
+                 plan: Plan {{\n        \
+                     end_start: &PLAN_END_START,\n        ends: &PLAN_ENDS,\n        order: &PLAN_ORDER,\n        \
+                     row_start: &PLAN_ROW_START,\n        columns: &PLAN_COLUMNS,\n        \
+                     diagonal: &PLAN_DIAGONAL,\n        stamps: &PLAN_STAMPS,\n        row_of: &PLAN_ROW_OF,\n    \
+                 }},\n}};\n",
+            self.reference_pa
+        );
+    }
+}
+
+fn constant(text: &mut String, about: &str, name: &str, kind: &str, value: impl std::fmt::Display) {
+    let _ = write!(text, "\n/// {about}\npub const {name}: {kind} = {value};\n");
+}
+
+/// The derived `Debug` of the core's plain structs is their own Rust form.
+fn debug(item: &impl Debug) -> String {
+    format!("{item:?}")
+}
+
+fn table<T>(text: &mut String, about: &str, name: &str, kind: &str, items: &[T], one: impl Fn(&T) -> String) {
+    let _ = write!(text, "\n/// {about}\npub static {name}: [{kind}; {}] = [", items.len());
+    for item in items {
+        let _ = write!(text, "\n    {},", one(item));
+    }
+    text.push_str(if items.is_empty() { "];\n" } else { "\n];\n" });
+}

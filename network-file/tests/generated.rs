@@ -1,0 +1,78 @@
+//! The generated Rust compiles and is the loaded network to the bit.
+//!
+//! `tests/generated/*.rs` are what `to_rust` writes for the files beside them; a test compares the text, so
+//! that what is compiled here is what it writes today.
+
+use std::path::Path;
+
+use eclss_core::{Method, Network, Settings, Simulator, Storage};
+use eclss_network_file::{Loaded, load};
+
+#[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
+mod paper {
+    include!("generated/paper.rs");
+}
+
+#[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
+mod zoo {
+    include!("generated/zoo.rs");
+}
+
+fn loaded(path: &str) -> Loaded {
+    load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("the file loads")
+}
+
+fn assert_written(loaded: &Loaded, stored: &str, path: &str) {
+    assert!(
+        loaded.to_rust() == stored,
+        "not what `to_rust` writes: cargo run -p eclss-network-file --example to_rust -- {path} has the new text"
+    );
+}
+
+#[test]
+fn the_stored_text_is_what_is_written_today() {
+    assert_written(
+        &loaded("../networks/paper.toml"),
+        include_str!("generated/paper.rs"),
+        "networks/paper.toml",
+    );
+    let path = "network-file/tests/generated/zoo.toml";
+    assert_written(&loaded("tests/generated/zoo.toml"), include_str!("generated/zoo.rs"), path);
+}
+
+fn assert_equal(loaded: &Loaded, generated: &Network<'_>, id: u64) {
+    let network = loaded.network();
+    assert_eq!(network.reference_pa.to_bits(), generated.reference_pa.to_bits());
+    assert_eq!(network.nodes, generated.nodes);
+    assert_eq!(network.lines, generated.lines);
+    assert_eq!(network.segments, generated.segments);
+    assert_eq!(network.active, generated.active);
+    assert_eq!(network.inputs, generated.inputs);
+    assert_eq!(network.schedules, generated.schedules);
+    assert_eq!(network.points, generated.points);
+    assert_eq!(network.plan, generated.plan);
+    assert_eq!(network.id(), generated.id());
+    assert_eq!(network.id(), id);
+    assert_eq!(generated.check(), Ok(()));
+}
+
+#[test]
+fn the_tables_are_the_loaded_ones() {
+    assert_equal(&loaded("../networks/paper.toml"), &paper::NETWORK, paper::NETWORK_ID);
+    assert_equal(&loaded("tests/generated/zoo.toml"), &zoo::NETWORK, zoo::NETWORK_ID);
+    let names = loaded("tests/generated/zoo.toml").names;
+    assert_eq!(names.nodes, zoo::NODE_NAMES);
+    assert_eq!(names.lines, zoo::LINE_NAMES);
+    assert_eq!(names.segments, zoo::SEGMENT_NAMES);
+    assert_eq!(names.inputs, zoo::INPUT_NAMES);
+}
+
+#[test]
+fn the_buffer_lengths_are_the_ones_that_a_simulator_asks_for() {
+    use zoo::RELAXATION as LENGTH;
+    assert_eq!(LENGTH, Method::Relaxation.sizes(&zoo::NETWORK));
+    let mut storage =
+        Storage::<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>::new();
+    let settings = Settings { method: zoo::METHOD, step_us: zoo::STEP_US };
+    assert!(Simulator::new(&zoo::NETWORK, settings, storage.buffers()).is_ok());
+}

@@ -1,0 +1,168 @@
+// Generated from a network file; do not edit.
+
+#[allow(unused_imports)] // a network need not have every kind of element
+use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+#[allow(unused_imports)] // nor schedules
+use ::eclss_core::{
+    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Sizes,
+    StdElement,
+};
+
+/// Name of the network.
+pub const NAME: &str = "zoo";
+
+/// Network id.
+pub const NETWORK_ID: u64 = 0x3f1b4f3b947a5f58;
+
+/// Method of the file.
+pub const METHOD: Method = Method::Relaxation;
+
+/// Step of the file [µs].
+pub const STEP_US: u32 = 500;
+
+/// End of a run of the file [µs].
+pub const UNTIL_US: u64 = 90000000;
+
+/// Buffers that `euler` needs.
+pub const EULER: Sizes = Sizes { state: 66, work: 75, inputs: 4, cursors: 2 };
+
+/// Buffers that `relaxation` needs.
+pub const RELAXATION: Sizes = Sizes { state: 66, work: 75, inputs: 4, cursors: 2 };
+
+/// Nodes.
+pub static NODES: [Node; 4] = [
+    Node { kind: NodeKind::Cabin { volume_m3: 97.71 }, start_gauge_pa: 1325.0, temperature_k: 295.15 },
+    Node { kind: NodeKind::Cabin { volume_m3: 57.8 }, start_gauge_pa: 1300.0, temperature_k: 296.0 },
+    Node { kind: NodeKind::Boundary, start_gauge_pa: 10000.0, temperature_k: 293.15 },
+    Node { kind: NodeKind::Boundary, start_gauge_pa: -100000.0, temperature_k: 270.0 },
+];
+
+/// Lines.
+pub static LINES: [Line; 4] = [
+    Line { from: 0, to: 1, first_segment: 0, segments: 4, flow_segment: 2, laminar_below_pa: 0.01, start_flow_kg_s: -0.002 },
+    Line { from: 1, to: 0, first_segment: 4, segments: 2, flow_segment: 1, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 2, to: 0, first_segment: 6, segments: 2, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 3, to: 1, first_segment: 8, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+];
+
+/// Segments of all lines.
+pub static SEGMENTS: [Segment; 9] = [
+    Segment { element: StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 5556.456 }), inertance_per_m: 44.209705, outlet_volume_m3: 0.005654867, first_input: 0 },
+    Segment { element: StdElement::Fan(Fan { curve: HeadCurve { shutoff_pa: 293.18933, linear_pa_s_kg: 29.418, quadratic_pa_s2_kg2: 7379.3496 } }), inertance_per_m: 30.0, outlet_volume_m3: 0.003, first_input: 0 },
+    Segment { element: StdElement::HeatExchanger(HeatExchanger { resistance_pa_s2_kg2: 50168.945, liquid_fraction: 0.005, separator_efficiency: 0.9 }), inertance_per_m: 31.0, outlet_volume_m3: 0.002, first_input: 1 },
+    Segment { element: StdElement::ReferencePipe(ReferencePipe { pressure_drop_pa: 40.135155, mass_flow_kg_s: 0.05, exponent: 1.8 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 1 },
+    Segment { element: StdElement::Bed(Bed { resistance_pa_s2_kg2: 2000.0, mass_fraction: 0.006, capture_efficiency: 0.8 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 1 },
+    Segment { element: StdElement::Valve(Valve { open_resistance_pa_s2_kg2: 50.0, exponent: 2.0, leakage_opening: 0.01 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 1 },
+    Segment { element: StdElement::Valve(Valve { open_resistance_pa_s2_kg2: 10000000.0, exponent: 2.5, leakage_opening: 0.001 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 2 },
+    Segment { element: StdElement::Pump(Pump { curve: HeadCurve { shutoff_pa: 50.0, linear_pa_s_kg: 4.0, quadratic_pa_s2_kg2: 1000000.0 } }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 3 },
+    Segment { element: StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 83333330000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+];
+
+/// Segments whose law changes.
+pub static ACTIVE: [Active; 5] = [
+    Active { segment: 1, line: 0 },
+    Active { segment: 3, line: 0 },
+    Active { segment: 5, line: 1 },
+    Active { segment: 6, line: 2 },
+    Active { segment: 7, line: 2 },
+];
+
+/// Start values of the inputs.
+pub static INPUTS: [f32; 4] = [
+    1.0,
+    1.0,
+    0.25,
+    0.5,
+];
+
+/// Schedules.
+pub static SCHEDULES: [Schedule; 2] = [
+    Schedule { input: 1, first_point: 0, points: 3, interpolation: Interpolation::Hold },
+    Schedule { input: 0, first_point: 3, points: 4, interpolation: Interpolation::Linear },
+];
+
+/// Points of all schedules.
+pub static POINTS: [SchedulePoint; 7] = [
+    SchedulePoint { time_us: 0, value: 1.0 },
+    SchedulePoint { time_us: 3600000000, value: 0.25 },
+    SchedulePoint { time_us: 3600500000, value: 0.5 },
+    SchedulePoint { time_us: 0, value: 0.0 },
+    SchedulePoint { time_us: 0, value: 1.0 },
+    SchedulePoint { time_us: 10100000, value: 1.0 },
+    SchedulePoint { time_us: 10100000, value: 0.6 },
+];
+
+/// Ids of the nodes.
+pub static NODE_NAMES: [&str; 4] = [
+    "lab",
+    "node_1",
+    "supply",
+    "space",
+];
+
+/// Ids of the lines.
+pub static LINE_NAMES: [&str; 4] = [
+    "return",
+    "hatch_line",
+    "makeup",
+    "leak",
+];
+
+/// Ids of the elements, one per segment.
+pub static SEGMENT_NAMES: [&str; 9] = [
+    "grille",
+    "blower",
+    "condenser",
+    "filter",
+    "scrubber",
+    "hatch",
+    "regulator",
+    "booster",
+    "crack",
+];
+
+/// Names of the inputs.
+pub static INPUT_NAMES: [&str; 4] = [
+    "blower.speed",
+    "hatch.opening",
+    "regulator.opening",
+    "booster.speed",
+];
+
+static PLAN_END_START: [u32; 5] = [0, 3, 6, 7, 8];
+
+static PLAN_ENDS: [u32; 8] = [0, 3, 5, 1, 2, 7, 4, 6];
+
+static PLAN_ORDER: [u32; 2] = [0, 1];
+
+static PLAN_ROW_START: [u32; 3] = [0, 2, 4];
+
+static PLAN_COLUMNS: [u32; 4] = [0, 1, 0, 1];
+
+static PLAN_DIAGONAL: [u32; 2] = [0, 3];
+
+static PLAN_ROW_OF: [u32; 4] = [0, 1, 4294967295, 4294967295];
+
+static PLAN_STAMPS: [[u32; 4]; 4] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3]];
+
+/// The description.
+pub static NETWORK: Network<'static> = Network {
+    reference_pa: 100000.0,
+    nodes: &NODES,
+    lines: &LINES,
+    segments: &SEGMENTS,
+    active: &ACTIVE,
+    inputs: &INPUTS,
+    schedules: &SCHEDULES,
+    points: &POINTS,
+    plan: Plan {
+        end_start: &PLAN_END_START,
+        ends: &PLAN_ENDS,
+        order: &PLAN_ORDER,
+        row_start: &PLAN_ROW_START,
+        columns: &PLAN_COLUMNS,
+        diagonal: &PLAN_DIAGONAL,
+        stamps: &PLAN_STAMPS,
+        row_of: &PLAN_ROW_OF,
+    },
+};
