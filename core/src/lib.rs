@@ -14,7 +14,7 @@
 //!
 //! // The ventilation loop of Qiu et al. 2017 with the valve held open: 86.4776 g/s.
 //! let network = example::paper_loop();
-//! let mut storage = Storage::<64, 64, 4, 4>::new();
+//! let mut storage = Storage::<64, 128, 8, 4>::new();
 //! let settings = Settings { method: Method::Relaxation, step_us: 1_000 };
 //! let mut simulator = Simulator::new(&network, settings, storage.buffers())?;
 //! for _ in 0..30_000 {

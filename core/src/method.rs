@@ -1,10 +1,13 @@
 //! Methods: each advances the state of one description by one fixed step.
 
+pub(crate) mod adaptive;
 pub(crate) mod common;
+pub(crate) mod implicit;
+pub(crate) mod observe;
 pub(crate) mod relaxation;
 
 use crate::element::Element;
-use crate::{Network, Sizes};
+use crate::{Network, NodeKind, PlanError, Sizes};
 
 /// The methods that exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +17,12 @@ pub enum Method {
     Euler,
     /// The paper's method: explicit Euler on the relaxation system with the adaptive operator.
     Relaxation,
+    /// Explicit Euler with the operator on quasi-steady lines and real volumes: no matrix, any topology.
+    Adaptive,
+    /// Linearly implicit Euler with inertance and duct storage.
+    ImplicitEuler,
+    /// TR-BDF2 with inertance and duct storage: second order, L-stable.
+    TrBdf2,
 }
 
 /// Why a method does not take a network with a step.
@@ -27,17 +36,27 @@ pub enum MethodError {
     },
     /// A node is too small for this step: `h²·Σ_lines Rg·T/V > 1` makes the unit-rate flow row diverge.
     NodeTooSmall(u32),
+    /// The method needs a volume or a boundary, this node is a junction.
+    Junction(u32),
+    /// The connection tables are missing or wrong.
+    Plan(PlanError),
+    /// A segment has neither inertance nor a loss at rest, so nothing decides its flow.
+    NothingResists(u32),
 }
 
 impl Method {
     /// All methods, in the order in which tables show them.
-    pub const ALL: [Self; 2] = [Self::Euler, Self::Relaxation];
+    pub const ALL: [Self; 5] =
+        [Self::Euler, Self::Relaxation, Self::Adaptive, Self::ImplicitEuler, Self::TrBdf2];
 
     /// Returns the method's name in files, commands and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Euler => "euler",
             Self::Relaxation => "relaxation",
+            Self::Adaptive => "adaptive",
+            Self::ImplicitEuler => "implicit-euler",
+            Self::TrBdf2 => "tr-bdf2",
         }
     }
 
@@ -50,8 +69,10 @@ impl Method {
     pub fn sizes<E: Element>(self, network: &Network<'_, E>) -> Sizes {
         let (state, work) = match self {
             Self::Euler | Self::Relaxation => relaxation::sizes(network),
+            Self::Adaptive => adaptive::sizes(network),
+            Self::ImplicitEuler | Self::TrBdf2 => implicit::sizes(network),
         };
-        Sizes { state, work, inputs: network.inputs.len(), cursors: network.schedules.len() }
+        Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
 
     /// Finds out whether the method takes this network with a step of `step_us` [µs].
@@ -59,6 +80,14 @@ impl Method {
         match self {
             Self::Euler => relaxation::check(network, step_us, 1_000_000),
             Self::Relaxation => relaxation::check(network, step_us, 10_000),
+            Self::Adaptive => adaptive::check(network, step_us),
+            Self::ImplicitEuler | Self::TrBdf2 => implicit::check(network, step_us),
         }
+    }
+
+    /// Refuses the first node without a volume of its own.
+    pub(crate) fn refuse_junctions<E>(network: &Network<'_, E>) -> Result<(), MethodError> {
+        let junction = network.nodes.iter().position(|node| node.kind == NodeKind::Junction);
+        junction.map_or(Ok(()), |index| Err(MethodError::Junction(index as u32)))
     }
 }

@@ -20,6 +20,8 @@ pub enum NodeKind {
         /// Free gas volume V [m³], finite and > 0.
         volume_m3: f32,
     },
+    /// A point without volume where lines meet; only the implicit methods take it.
+    Junction,
     /// Held at its start pressure whatever flows: supply, space vacuum.
     Boundary,
 }
@@ -38,11 +40,12 @@ pub struct Node {
 }
 
 impl Node {
-    /// Returns dp/dm = Rg·T/V [Pa/kg]; 0 for a boundary, which no flow can move.
+    /// Returns dp/dm = Rg·T/V [Pa/kg]; 0 for a boundary, which no flow can move, and for a junction, whose
+    /// pressure does not follow from its mass.
     pub fn pressure_per_mass_pa_kg(&self) -> f32 {
         match self.kind {
             NodeKind::Cabin { volume_m3 } => air::pressure_per_mass_pa_kg(volume_m3, self.temperature_k),
-            NodeKind::Boundary => 0.0,
+            NodeKind::Junction | NodeKind::Boundary => 0.0,
         }
     }
 
@@ -66,6 +69,7 @@ impl Node {
                 hash.value(volume_m3);
             }
             NodeKind::Boundary => hash.word(2),
+            NodeKind::Junction => hash.word(3),
         }
         hash.values(&[self.start_gauge_pa, self.temperature_k]);
     }

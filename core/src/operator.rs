@@ -5,7 +5,7 @@
 //! Derived here: a line of v rows `q_i' = q_{i−1} − q_i − R_i·w|w|` and one flow row
 //! `w' = φ·(q_v − R·w|w|)` is scaled by a diagonal similarity that makes every row sum at most 1 − h·η. With
 //! `A = 2φ·R·|w|`, `B = 2φ·ΣR_i·|w|` the largest such η for which Bernoulli's inequality gives a closed form is
-//! `η = 2(A − B)/((1 + vA) + √((1 − vA)² + 4vB))`. By Gershgorin's theorem no eigenvalue of I + h·J then lies
+//! `η = 2(A − B)/((1 + vA) + √((1 − vA)² + 4vB))` (with v = 1 where A < B). By Gershgorin's theorem no eigenvalue of I + h·J then lies
 //! outside the disc of radius 1 − h·η. It is a proof of stability where A > B, that is where the flow row's
 //! resistance exceeds that of all other rows. The ends of the line are taken as held, and h ≤ 1 in units of
 //! the method's pseudo-time.
@@ -66,11 +66,13 @@ pub fn phi(stiffness: f32) -> f32 {
 pub struct FlowRow {
     /// Step h [s of pseudo-time], ≤ 1.
     pub step: f32,
-    /// |w|, or the laminar limit flow where that is larger [kg/s].
-    pub flow: f32,
-    /// Resistance of the flow row, R [Pa·s²/kg²].
+    /// Slope of w|w|: 2|w|, or the laminar limit flow where |w| is below it [kg/s].
+    pub slope: f32,
+    /// Quadratic resistance of the flow row, R [Pa·s²/kg²].
     pub own: f32,
-    /// Resistance of all other rows, fan slope included, ΣR [Pa·s²/kg²].
+    /// Linear resistance of the flow row [Pa·s/kg].
+    pub own_linear: f32,
+    /// Upper bound of the resistance of all other rows, fan slope included, ΣR [Pa·s²/kg²].
     pub others: f32,
     /// Number v of other rows.
     pub rows: f32,
@@ -79,31 +81,43 @@ pub struct FlowRow {
 impl FlowRow {
     /// h·|a| of the flow row [1].
     pub fn stiffness(&self) -> f32 {
-        2.0 * self.step * self.own * self.flow
+        self.step * (self.slope * self.own + self.own_linear)
     }
 
     /// Returns the margin of this line with the φ that its step used.
     pub fn margin(&self, phi: f32) -> Margin {
-        let slope = 2.0 * phi * self.flow;
-        let (own, others) = (slope * self.own, slope * self.others);
-        let diagonal = 1.0 - self.step * own;
-        let (bound, proof) = if diagonal < 0.0 {
-            // Only without φ: the flow row alone overshoots.
-            (self.step * others - diagonal, Proof::None)
+        let own = phi * (self.slope * self.own + self.own_linear);
+        let others = phi * self.slope * self.others;
+        let overshoot = self.step * own - 1.0;
+        // With φ the flow row lands on the centre; what is left there is rounding.
+        let (bound, proof) = if phi >= 1.0 && overshoot > 0.0 {
+            (self.bound_beyond_centre(overshoot, others), Proof::None)
         } else {
-            let (sum, difference) = (1.0 + self.rows * own, 1.0 - self.rows * own);
-            let root = math::sqrt(difference * difference + 4.0 * self.rows * others);
-            let eta = 2.0 * (own - others) / (sum + root);
-            let proof = if self.own >= self.others {
+            let proof = if own >= others {
                 Proof::Dominant
             } else if self.stiffness() < 0.5 {
                 Proof::ShortStep
             } else {
                 Proof::None
             };
-            (1.0 - self.step * eta, proof)
+            // Bernoulli's inequality needs the largest power where rows shrink and the smallest where they grow.
+            let power = if own >= others { self.rows } else { 1.0 };
+            let (sum, difference) = (1.0 + power * own, 1.0 - power * own);
+            let root = math::sqrt(difference * difference + 4.0 * power * others);
+            (1.0 - self.step * (2.0 * (own - others) / (sum + root)), proof)
         };
         Margin { phi, spectral_bound: bound, proof }
+    }
+
+    /// Bound where the flow row alone overshoots, which only happens without φ: rows are scaled so that each
+    /// sum is at most D + h·k, D = h·A − 1.
+    #[cold]
+    fn bound_beyond_centre(&self, overshoot: f32, others: f32) -> f32 {
+        if self.rows < 1.0 {
+            return overshoot;
+        }
+        let gap = (1.0 - overshoot) / self.step;
+        overshoot + self.step * 0.5 * (gap + math::sqrt(gap * gap + 4.0 * others))
     }
 }
 
@@ -111,8 +125,14 @@ impl FlowRow {
 mod tests {
     use super::*;
 
-    const PAPER_CLOSED: FlowRow =
-        FlowRow { step: 1e-3, flow: 4.0594e-3, own: 1.8147e7, others: 39_879.0, rows: 5.0 };
+    const PAPER_CLOSED: FlowRow = FlowRow {
+        step: 1e-3,
+        slope: 2.0 * 4.0594e-3,
+        own: 1.8147e7,
+        own_linear: 0.0,
+        others: 39_879.0,
+        rows: 5.0,
+    };
 
     #[test]
     fn a_soft_row_is_left_alone_and_a_stiff_one_lands_on_the_centre() {
@@ -138,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_short_step_is_not_called_a_proof() {
-        let open = FlowRow { own: 86.0, flow: 0.0865, ..PAPER_CLOSED };
+        let open = FlowRow { own: 86.0, slope: 2.0 * 0.0865, ..PAPER_CLOSED };
         let margin = open.margin(phi(open.stiffness()));
         assert_eq!(margin.proof, Proof::ShortStep);
         assert!(margin.spectral_bound > 1.0);

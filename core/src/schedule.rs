@@ -47,21 +47,38 @@ impl Schedule {
         }
     }
 
-    /// Returns the value at `time_us` [µs] along `points`. `cursor` is the number of points whose time has
+    /// Returns the value at the instant `at` along `points`. `cursor` is the number of points whose time has
     /// come; it only moves forward, so that the usual cost is one comparison.
-    pub(crate) fn value(&self, points: &[SchedulePoint], cursor: &mut u32, time_us: u64) -> f32 {
-        while points.get(*cursor as usize).is_some_and(|next| next.time_us <= time_us) {
+    pub(crate) fn value(&self, points: &[SchedulePoint], cursor: &mut u32, at: Instant) -> f32 {
+        while points.get(*cursor as usize).is_some_and(|next| at.has_come(next.time_us)) {
             *cursor += 1;
         }
         let next = points.get(*cursor as usize);
         let last = (*cursor as usize).checked_sub(1).and_then(|index| points.get(index));
         match (last, next) {
             (Some(last), Some(next)) if self.interpolation == Interpolation::Linear => {
-                between(last, next, time_us)
+                between(last, next, at)
             }
             (Some(point), _) | (None, Some(point)) => point.value,
             (None, None) => 0.0,
         }
+    }
+}
+
+/// An instant at which a method asks for its inputs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Instant {
+    /// Whole microseconds of plant time.
+    pub(crate) time_us: u64,
+    /// And this part of one [µs, 0…1), for stages inside a step.
+    pub(crate) part_us: f32,
+    /// The end of a step sees what holds just before it; a jump there belongs to the next step.
+    pub(crate) before: bool,
+}
+
+impl Instant {
+    fn has_come(self, time_us: u64) -> bool {
+        if self.before { time_us < self.time_us } else { time_us <= self.time_us }
     }
 }
 
@@ -72,13 +89,15 @@ impl SchedulePoint {
     }
 }
 
-/// Straight line between two points of different time; `time_us` lies between them.
-fn between(last: &SchedulePoint, next: &SchedulePoint, time_us: u64) -> f32 {
-    let (since, length) = (time_us - last.time_us, next.time_us - last.time_us);
-    // Both are shifted until the length fits a u32, which the processor converts in one instruction.
+/// Straight line between two points of different time; `at` lies between them.
+fn between(last: &SchedulePoint, next: &SchedulePoint, at: Instant) -> f32 {
+    let (since, length) = (at.time_us - last.time_us, next.time_us - last.time_us);
+    // Both are shifted until the length fits a u32, which the processor converts in one instruction; the part
+    // of a microsecond only matters where there is no shift.
     let shift = 32u32.saturating_sub(length.leading_zeros());
-    let part = (since >> shift) as u32 as f32 / (length >> shift) as u32 as f32;
-    last.value + (next.value - last.value) * part
+    let part = if shift == 0 { at.part_us } else { 0.0 };
+    let passed = ((since >> shift) as u32 as f32 + part) / (length >> shift) as u32 as f32;
+    last.value + (next.value - last.value) * passed
 }
 
 #[cfg(test)]
@@ -91,7 +110,7 @@ mod tests {
 
     fn sample(points: &[SchedulePoint], interpolation: Interpolation, time_us: u64) -> f32 {
         let schedule = Schedule { input: 0, first_point: 0, points: points.len() as u32, interpolation };
-        schedule.value(points, &mut 0, time_us)
+        schedule.value(points, &mut 0, Instant { time_us, part_us: 0.0, before: false })
     }
 
     #[test]
@@ -119,6 +138,20 @@ mod tests {
         assert!((sample(&steps, Interpolation::Hold, 0) - 0.5).abs() < 1e-7);
         assert!((sample(&steps, Interpolation::Hold, 1_999) - 0.5).abs() < 1e-7);
         assert!((sample(&steps, Interpolation::Hold, 2_000) - 0.75).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_end_of_a_step_does_not_see_the_jump_that_is_there() {
+        let jump = [point(0, 1.0), point(5_000, 2.0), point(5_000, 7.0), point(6_000, 8.0)];
+        let schedule = Schedule { input: 0, first_point: 0, points: 4, interpolation: Interpolation::Linear };
+        let mut cursor = 0;
+        let mut at = |time_us, part_us, before| {
+            schedule.value(&jump, &mut cursor, Instant { time_us, part_us, before })
+        };
+        assert!((at(4_999, 0.5, false) - 1.9999).abs() < 1e-6);
+        assert!((at(5_000, 0.0, true) - 2.0).abs() < 1e-6);
+        assert!((at(5_000, 0.0, false) - 7.0).abs() < 1e-6);
+        assert!((at(5_585, 0.786, false) - 7.585_786).abs() < 1e-5);
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! Joins description, state and method, and counts time.
 
 use crate::element::{Element, StdElement};
-use crate::method::relaxation;
+use crate::method::implicit::StageInputs;
+use crate::method::observe::Observer;
+use crate::method::{adaptive, implicit, relaxation};
+use crate::schedule::Instant;
 use crate::{Buffers, Fingerprint, Margin, Method, MethodError, Network, NetworkError, Proof};
 
 /// How a network is run.
@@ -116,14 +119,23 @@ impl<'a, E: Element> Simulator<'a, E> {
         let inputs = inputs.get_mut(..sizes.inputs).ok_or(short("inputs", sizes.inputs, given_inputs))?;
         let cursors =
             cursors.get_mut(..sizes.cursors).ok_or(short("cursors", sizes.cursors, given_cursors))?;
-        inputs.copy_from_slice(network.inputs);
+        for stage in inputs.chunks_exact_mut(network.inputs.len().max(1)) {
+            stage.copy_from_slice(network.inputs);
+        }
         cursors.fill(0);
-        relaxation::start(network, state, work, inputs);
+        let step_s = settings.step_us as f32 * 1e-6;
+        match settings.method {
+            Method::Euler | Method::Relaxation => relaxation::start(network, state, work, inputs),
+            Method::Adaptive => adaptive::start(network, step_s, state, work, inputs),
+            Method::ImplicitEuler | Method::TrBdf2 => {
+                implicit::start(network, settings.method, step_s, state, work, inputs);
+            }
+        }
         Ok(Self {
             network,
             settings,
             network_id: network.id(),
-            step_s: settings.step_us as f32 * 1e-6,
+            step_s,
             tick: 0,
             time_us: 0,
             state,
@@ -143,9 +155,18 @@ impl<'a, E: Element> Simulator<'a, E> {
             return self.health;
         }
         self.follow_schedules();
-        let stabilised = self.settings.method == Method::Relaxation;
-        let (margin, place) =
-            relaxation::step(self.network, self.step_s, stabilised, self.state, self.work, self.inputs);
+        let (h, method) = (self.step_s, self.settings.method);
+        let (start, rest) = self.inputs.split_at_checked(self.network.inputs.len()).unwrap_or((&[], &[]));
+        let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
+        let (margin, place) = match method {
+            Method::Euler => relaxation::step(self.network, h, false, self.state, self.work, start),
+            Method::Relaxation => relaxation::step(self.network, h, true, self.state, self.work, start),
+            Method::Adaptive => adaptive::step(self.network, h, self.state, self.work, start),
+            Method::ImplicitEuler | Method::TrBdf2 => {
+                let inputs = StageInputs { start, middle, end };
+                implicit::step(self.network, method, h, self.state, self.work, inputs)
+            }
+        };
         self.margin = margin;
         self.worst_margin = self.worst_margin.with(margin);
         self.unproven_ticks += u64::from(margin.proof == Proof::None);
@@ -157,12 +178,34 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.health
     }
 
+    /// Samples every schedule at the method's stage times.
     fn follow_schedules(&mut self) {
+        let step_us = self.settings.step_us;
+        let implicit = matches!(self.settings.method, Method::ImplicitEuler | Method::TrBdf2);
+        let inner = implicit::INNER_STAGE * step_us as f32;
+        let now = Instant { time_us: self.time_us, part_us: 0.0, before: false };
+        let whole = inner as u32;
+        let inside = Instant {
+            time_us: self.time_us + u64::from(whole),
+            part_us: inner - whole as f32,
+            before: false,
+        };
+        let end = Instant { time_us: self.time_us + u64::from(step_us), part_us: 0.0, before: true };
+        let slots = self.network.inputs.len();
         for (schedule, cursor) in self.network.schedules.iter().zip(self.cursors.iter_mut()) {
             let first = schedule.first_point as usize;
-            let points = self.network.points.get(first..first + schedule.points as usize);
-            if let (Some(points), Some(input)) = (points, self.inputs.get_mut(schedule.input as usize)) {
-                *input = schedule.value(points, cursor, self.time_us);
+            let Some(points) = self.network.points.get(first..first + schedule.points as usize) else {
+                continue;
+            };
+            let mut set = |stage: usize, at| {
+                if let Some(input) = self.inputs.get_mut(stage * slots + schedule.input as usize) {
+                    *input = schedule.value(points, cursor, at);
+                }
+            };
+            set(0, now);
+            if implicit {
+                set(1, inside);
+                set(2, end);
             }
         }
     }
@@ -172,17 +215,27 @@ impl<'a, E: Element> Simulator<'a, E> {
     /// element's [`crate::InputSpec`].
     pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
         let scheduled = self.network.schedules.iter().any(|schedule| schedule.input as usize == slot);
-        match self.inputs.get_mut(slot) {
-            Some(input) if !scheduled && value.is_finite() => {
-                *input = value;
-                true
-            }
-            _ => false,
+        let slots = self.network.inputs.len();
+        if scheduled || slot >= slots || !value.is_finite() {
+            return false;
         }
+        for input in self.inputs.iter_mut().skip(slot).step_by(slots) {
+            *input = value;
+        }
+        true
     }
 
-    fn view(&self) -> relaxation::View<'_, 'a, E> {
-        relaxation::View::new(self.network, self.state, self.work)
+    fn observer(&self) -> Observer<'_, 'a, E> {
+        let implicit = matches!(self.settings.method, Method::ImplicitEuler | Method::TrBdf2);
+        let slots = self.network.inputs.len();
+        let last_stage = if implicit { 2 * slots } else { 0 };
+        Observer {
+            network: self.network,
+            method: self.settings.method,
+            state: self.state,
+            work: self.work,
+            inputs: self.inputs.get(last_stage..).unwrap_or(&[]),
+        }
     }
 
     /// The description.
@@ -230,9 +283,9 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.unproven_ticks
     }
 
-    /// Present value of every input slot.
+    /// Value of every input slot in the last step.
     pub fn inputs(&self) -> &[f32] {
-        self.inputs
+        self.observer().inputs
     }
 
     /// The integrated states and their carries.
@@ -242,22 +295,42 @@ impl<'a, E: Element> Simulator<'a, E> {
 
     /// Gauge pressure of node `node` [Pa]; NaN for a node that does not exist.
     pub fn node_gauge_pa(&self, node: usize) -> f32 {
-        self.view().node_gauge_pa(node)
+        self.observer().node_gauge_pa(node)
     }
 
     /// Mass flow of line `line` at its flow segment [kg/s]; NaN for a line that does not exist.
     pub fn line_flow_kg_s(&self, line: usize) -> f32 {
-        self.view().line_flow_kg_s(line)
+        self.observer().line_flow_kg_s(line)
     }
 
     /// Mass flow at the inlet of segment `segment` of line `line` [kg/s].
     pub fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
-        self.view().segment_flow_kg_s(line, segment)
+        self.observer().segment_flow_kg_s(line, segment)
     }
 
     /// Gauge pressure at the outlet of segment `segment` of line `line` [Pa].
     pub fn outlet_gauge_pa(&self, line: usize, segment: usize) -> f32 {
-        self.view().outlet_gauge_pa(line, segment, self.inputs)
+        self.observer().outlet_gauge_pa(line, segment)
+    }
+
+    /// Mass of node `node` as deviation from the start [kg].
+    pub fn node_mass_kg(&self, node: usize) -> f64 {
+        self.observer().node_mass_kg(node)
+    }
+
+    /// Mass that the operator kept node `node` from storing [kg]; 0 wherever φ was 1 throughout.
+    pub fn fictitious_kg(&self, node: usize) -> f64 {
+        self.observer().fictitious_kg(node)
+    }
+
+    /// What line `line` took from its inlet node, gave to its outlet node and drained since the start [kg].
+    pub fn line_sums_kg(&self, line: usize) -> [f64; 3] {
+        self.observer().line_sums_kg(line)
+    }
+
+    /// Mass that the volumes inside line `line` hold beyond the start [kg].
+    pub fn held_kg(&self, line: usize) -> f64 {
+        self.observer().held_kg(line)
     }
 
     /// Returns the hash over network id, method, step, tick and every state and carry, the same on every

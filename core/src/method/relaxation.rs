@@ -18,9 +18,11 @@ use super::common::{self, Common, Cut};
 use crate::element::{Element, Operating};
 use crate::operator::{self, FlowRow, Margin};
 use crate::simulator::{Fault, Place};
-use crate::{Line, MethodError, Network, Segment, math};
+use crate::{Line, Method, MethodError, Network, Segment, math};
 
-/// Figures that a step keeps for a line, in the order of the work buffer.
+/// Figures that a step keeps for a line: ΣR of its rows, constant and active; ΣR of the flow row, constant
+/// (forward, reverse), active, and linear; head of the flow row, constant and active; ratio of inlet and of
+/// outlet flow to the line's.
 const LINE_FIGURES: usize = 10;
 
 /// Smallest flow at which a linear loss is turned into a quadratic one [kg/s].
@@ -39,6 +41,7 @@ pub(crate) fn check<E: Element>(
     if step_us == 0 || step_us > longest_us {
         return Err(MethodError::Step { longest_us });
     }
+    Method::refuse_junctions(network)?;
     let h = step_us as f32 * 1e-6;
     for (index, node) in (0u32..).zip(network.nodes) {
         // A loop that starts and ends here moves this node only by what it loses.
@@ -113,7 +116,7 @@ pub(crate) fn start<E: Element>(
     }
     for ((line, flow), figures) in network.lines.iter().zip(state.flow).zip(work.lines) {
         *flow = line.start_flow_kg_s;
-        let [rows_sum, _, fold, _, fold_plain, _, fold_head, _, inlet, outlet] = figures;
+        let [rows_sum, _, fold, fold_plain, _, _, fold_head, _, inlet, outlet] = figures;
         *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
             let place = line.first_segment as usize + index;
             let excess = ratio * ratio - 1.0;
@@ -180,20 +183,12 @@ pub(crate) fn step<E: Element>(
 
 /// Evaluates the laws that may have changed.
 fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'_>, work: &mut Work<'_>) {
-    for [_, rows, _, fold, _, fold_plain, _, fold_head, _, _] in work.lines.iter_mut() {
-        (*rows, *fold, *fold_plain, *fold_head) = (0.0, 0.0, 0.0, 0.0);
+    for [_, rows, _, _, fold, linear, _, head, _, _] in work.lines.iter_mut() {
+        (*rows, *fold, *linear, *head) = (0.0, 0.0, 0.0, 0.0);
     }
     for active in network.active {
         let (place, line) = (active.segment as usize, active.line as usize);
-        let (
-            Some(segment),
-            Some(line),
-            Some(figures),
-            Some(&flow),
-            Some(resistance),
-            Some(head),
-            Some(&excess),
-        ) = (
+        let (Some(segment), Some(line), Some(figures), Some(&w), Some(resistance), Some(head), Some(&excess)) = (
             network.segments.get(place),
             network.lines.get(line),
             work.lines.get_mut(line),
@@ -201,19 +196,21 @@ fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'
             work.resistance.get_mut(place),
             work.head.get_mut(place),
             work.excess.get(place),
-        )
-        else {
+        ) else {
             continue;
         };
-        let law = segment.element.law(&operating(segment, inputs, flow));
-        let quadratic = law.resistance + law.linear / math::larger(flow.abs(), SMALLEST_FLOW);
-        let [_, rows, _, fold, _, fold_plain, _, fold_head, _, _] = figures;
+        // m² and m at this element; nothing is drained from reversed flow.
+        let square = if w > 0.0 { 1.0 + excess } else { 1.0 };
+        let ratio = math::sqrt(square);
+        let law = segment.element.law(&operating(segment, inputs, ratio * w));
+        let [_, rows, _, _, fold, linear, _, fold_head, _, _] = figures;
         if active.segment - line.first_segment < line.flow_segment {
-            (*resistance, *head) = (quadratic, law.head);
-            *rows += quadratic * (1.0 + excess);
+            *resistance = law.resistance + law.linear / math::larger(ratio * w.abs(), SMALLEST_FLOW);
+            *head = law.head;
+            *rows += *resistance * square;
         } else {
-            *fold += quadratic * (1.0 + excess);
-            *fold_plain += quadratic;
+            *fold += law.resistance * square;
+            *linear += law.linear * ratio;
             *fold_head += law.head;
         }
     }
@@ -254,7 +251,8 @@ fn step_line(
     let w = *flow;
     let forward = w > 0.0;
     let others = figures[0] + figures[1];
-    let folded = if forward { figures[2] + figures[3] } else { figures[4] + figures[5] };
+    let folded = if forward { figures[2] } else { figures[3] } + figures[4];
+    let linear = figures[5];
 
     // w|w|, linear below the flow at which the whole line's loss is `laminar_below_pa`
     let laminar = math::sqrt(line.laminar_below_pa / (others + folded));
@@ -270,10 +268,12 @@ fn step_line(
         math::compensated_add(q, c, h * rate);
     }
 
-    let row = FlowRow { step: h, flow: size, own: folded, others, rows: line.flow_segment as f32 };
+    let slope = if w.abs() < laminar { laminar } else { 2.0 * size };
+    let rows = line.flow_segment as f32;
+    let row = FlowRow { step: h, slope, own: folded, own_linear: linear, others, rows };
     let phi = if stabilised { operator::phi(row.stiffness()) } else { 1.0 };
     let driving = before + (p_from - p_to) + (figures[6] + figures[7]);
-    math::compensated_add(flow, flow_carry, h * phi * (driving - folded * square));
+    math::compensated_add(flow, flow_carry, h * phi * (driving - (folded * square + linear * w)));
 
     // Each transfer is rounded once; taken − given is exact because the two are within a factor of two.
     let passed = h * *flow;
@@ -285,66 +285,4 @@ fn step_line(
         common::book(sums, taken, given, taken - given);
     }
     row.margin(phi)
-}
-
-/// Reads figures of the present state for a report.
-pub(crate) struct View<'v, 'n, E> {
-    network: &'v Network<'n, E>,
-    state: &'v [f32],
-    work: &'v [f32],
-}
-
-impl<'v, 'n, E: Element> View<'v, 'n, E> {
-    pub(crate) fn new(network: &'v Network<'n, E>, state: &'v [f32], work: &'v [f32]) -> Self {
-        Self { network, state, work }
-    }
-
-    fn state_at(&self, index: usize) -> f32 {
-        self.state.get(index).copied().unwrap_or(f32::NAN)
-    }
-
-    fn work_at(&self, index: usize) -> f32 {
-        self.work.get(index).copied().unwrap_or(f32::NAN)
-    }
-
-    /// Gauge pressure of a node [Pa].
-    pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
-        self.work_at(node)
-    }
-
-    /// Flow of a line at its flow segment [kg/s].
-    pub(crate) fn line_flow_kg_s(&self, line: usize) -> f32 {
-        self.state_at(Common::length(self.network) + line)
-    }
-
-    /// Flow at a segment's inlet [kg/s].
-    pub(crate) fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
-        let w = self.line_flow_kg_s(line);
-        if w > 0.0 { w * math::sqrt(1.0 + self.segment_figure(2, segment)) } else { w }
-    }
-
-    /// Resistance (0), head (1) or `m² − 1` (2) of a segment.
-    fn segment_figure(&self, figure: usize, segment: usize) -> f32 {
-        let lines = 2 * self.network.nodes.len() + LINE_FIGURES * self.network.lines.len();
-        self.work_at(lines + figure * self.network.segments.len() + segment)
-    }
-
-    /// Gauge pressure at a segment's outlet [Pa]: its own state up to the flow segment, and from there on back
-    /// from the line's end. `inputs` are those of the last step.
-    pub(crate) fn outlet_gauge_pa(&self, line: usize, segment: usize, inputs: &[f32]) -> f32 {
-        let Some(description) = self.network.lines.get(line) else { return f32::NAN };
-        let first = description.first_segment as usize;
-        if segment < first + description.flow_segment as usize {
-            let gauges = Common::length(self.network) + 2 * self.network.lines.len();
-            return self.node_gauge_pa(description.from as usize) + self.state_at(gauges + segment);
-        }
-        let mut pressure = self.node_gauge_pa(description.to as usize);
-        let behind = self.network.segments_of(description).get(segment + 1 - first..).unwrap_or(&[]);
-        for (offset, behind) in behind.iter().enumerate().rev() {
-            let w = self.segment_flow_kg_s(line, segment + 1 + offset);
-            let law = behind.element.law(&operating(behind, inputs, w));
-            pressure += law.resistance * w * w.abs() + law.linear * w - law.head;
-        }
-        pressure
-    }
 }
