@@ -8,6 +8,7 @@
 pub mod dice;
 pub mod model;
 pub mod paper;
+pub mod physical;
 pub mod product;
 pub mod reference;
 pub mod spectrum;

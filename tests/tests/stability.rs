@@ -94,8 +94,9 @@ fn the_live_bound_bounds_the_radius_of_any_line() {
         let flow = dice.power_of_ten(-5.0, 0.0);
         let row = FlowRow {
             step: h as f32,
-            flow: flow as f32,
+            slope: 2.0 * flow as f32,
             own: own as f32,
+            own_linear: 0.0,
             others: rows.iter().sum::<f64>() as f32,
             rows: count as f32,
         };
