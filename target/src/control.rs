@@ -2,7 +2,7 @@
 
 use crate::account::{Account, Tick};
 use crate::board::Board;
-use crate::plant::Plant;
+use crate::plant::{Plant, Untrusted};
 use crate::schedule::Schedule;
 use core::num::NonZeroU32;
 
@@ -41,10 +41,7 @@ pub enum Cause {
         lag_us: u64,
     },
     /// The plant's state can no longer be trusted.
-    Plant {
-        /// Index of the element in the network's description.
-        element: u16,
-    },
+    Plant(Untrusted),
 }
 
 /// How many outputs a status carries.
@@ -81,7 +78,7 @@ pub enum Event {
         /// Timing.
         account: Account,
         /// Hash over the plant's state.
-        state_hash: u32,
+        state_hash: u64,
         /// Whether outputs are safe.
         safe: bool,
     },
@@ -130,10 +127,7 @@ pub async fn run<B: Board, P: Plant>(
             tell(Event::Overrun { tick, skipped });
         }
         if safe.is_none() {
-            safe = trust
-                .err()
-                .map(|e| Cause::Plant { element: e.element })
-                .or_else(|| judge(&account, settings));
+            safe = trust.err().map(Cause::Plant).or_else(|| judge(&account, settings));
             if let Some(cause) = safe {
                 board.safe_outputs();
                 tell(Event::Safe { tick, cause });
@@ -166,9 +160,9 @@ fn first(outputs: &[f32]) -> [f32; SHOWN_OUTPUTS] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::Untrusted;
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
+    use eclss_core::Place;
 
     /// A board whose clock moves only as the script says: each tick takes the next duration \[µs\].
     #[derive(Default)]
@@ -225,15 +219,17 @@ mod tests {
         }
         fn step(&mut self) -> Result<(), Untrusted> {
             self.steps[0] += 1.0;
-            if self.steps[0] >= self.breaks_at { Err(Untrusted { element: 7 }) } else { Ok(()) }
+            if self.steps[0] >= self.breaks_at { Err(BROKEN) } else { Ok(()) }
         }
         fn outputs(&self) -> &[f32] {
             &self.steps
         }
-        fn state_hash(&self) -> u32 {
-            self.steps[0].to_bits()
+        fn state_hash(&self) -> u64 {
+            self.steps[0].to_bits().into()
         }
     }
+
+    const BROKEN: Untrusted = Untrusted { tick: 4, place: Place::Node(7) };
 
     const SETTINGS: Settings = Settings {
         period_us: NonZeroU32::new(1_000).unwrap(),
@@ -313,7 +309,7 @@ mod tests {
     #[test]
     fn an_untrusted_plant_goes_safe_before_its_outputs_are_written() {
         let (board, _, events) = run_scripted(&[], 4.0, &SETTINGS);
-        assert_eq!(causes(&events), [(3, Cause::Plant { element: 7 })]);
+        assert_eq!(causes(&events), [(3, Cause::Plant(BROKEN))]);
         assert_eq!(board.written, 3);
     }
 

@@ -9,9 +9,10 @@ pub mod board;
 pub mod boards;
 pub mod control;
 pub mod fault;
-#[cfg(target_os = "none")]
+pub mod firmware;
 pub mod journal;
 #[cfg(target_os = "none")]
 pub mod machine;
+pub mod network;
 pub mod plant;
 pub mod schedule;

@@ -43,6 +43,15 @@ pub fn stop(fault: Fault) -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
+/// Clears the record without reading it.
+pub fn forget_fault() {
+    // SAFETY: called by start-up code, which runs alone.
+    #[allow(unsafe_code, reason = "a static that outlives a reset has no initial value")]
+    unsafe {
+        addr_of_mut!(RECORD).write_volatile(NO_RECORD);
+    }
+}
+
 /// The fault that the last run ended with, if it did; asking forgets it.
 pub fn take_fault() -> Option<Fault> {
     cortex_m::interrupt::free(|_| {

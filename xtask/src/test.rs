@@ -2,7 +2,7 @@
 
 use crate::process::{command, run};
 use crate::report::Stages;
-use crate::{Outcome, project};
+use crate::{Outcome, firmware, project, qemu, setup};
 
 /// Runs the stages in order of how soon they answer and stops at the first failure.
 pub(crate) fn test(arguments: &[String]) -> Outcome {
@@ -17,20 +17,26 @@ pub(crate) fn test(arguments: &[String]) -> Outcome {
 
 fn all(stages: &mut Stages) -> Outcome {
     stages.stage("format", || cargo(&["fmt", "--all", "--check"]))?;
-    stages.stage("lints", lints)?;
-    stages.stage("host tests", || cargo(&["test", "--release", "--workspace", "--all-features"]))?;
-    stages.stage("documentation", documentation)
+    stages.stage("lints", || on_host("clippy", &["--all-targets"], &["--", "-D", "warnings"]))?;
+    stages.stage("host tests", || on_host("test", &["--release"], &[]))?;
+    stages.stage("documentation", || on_host("doc", &["--no-deps"], &[]))?;
+    stages.stage("setup", || setup::setup(&[]))?;
+    stages.stage("firmware", firmware::check)?;
+    stages.stage("boards in QEMU", qemu::test)
 }
 
-fn lints() -> Outcome {
-    cargo(&["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"])
-}
-
-fn documentation() -> Outcome {
-    let mut doc = command("cargo", &["doc", "--workspace", "--all-features", "--no-deps"]);
-    run(doc.current_dir(project::root()).env("RUSTDOCFLAGS", "-D warnings"))
+/// Runs a cargo command on all packages with all features. `eclss-target` comes apart from the others, because of
+/// its features only the one for computers can be built here.
+fn on_host(verb: &str, options: &[&str], rest: &[&str]) -> Outcome {
+    let most = ["--workspace", "--exclude", "eclss-target", "--all-features"];
+    let target = ["--package", "eclss-target", "--features", "rt-pc"];
+    for packages in [most.as_slice(), target.as_slice()] {
+        cargo(&[&[verb], options, packages, rest].concat())?;
+    }
+    Ok(())
 }
 
 fn cargo(arguments: &[&str]) -> Outcome {
-    run(command("cargo", arguments).current_dir(project::root()))
+    let mut cargo = command("cargo", arguments);
+    run(cargo.current_dir(project::root()).env("RUSTDOCFLAGS", "-D warnings"))
 }

@@ -11,27 +11,20 @@ mod timer;
 mod vectors;
 
 use crate::board::{Board, ResetReason};
-use crate::control::{self, Event, Settings};
-use crate::plant::StandIn;
+use crate::control::Settings;
+use crate::firmware::{self, Teller};
+use crate::network::{self, NetworkPlant};
 use crate::{journal, machine};
 use core::num::NonZeroU32;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use embassy_executor::InterruptExecutor;
-use heapless::spsc::{Producer, Queue};
 use registers::{LED, write};
-use static_cell::StaticCell;
 
-/// Events between two turns of the logging loop.
-const EVENTS: usize = 32;
 /// Length of one idle round.
 const IDLE_CYCLES: u32 = 200;
 /// LED 0 is lit while outputs are live: the emulated boards' only outputs.
 const LIVE: u32 = 1;
 
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
-static LOST_EVENTS: AtomicU32 = AtomicU32::new(0);
-static ENDED: AtomicBool = AtomicBool::new(false);
-static ENDED_SAFE: AtomicBool = AtomicBool::new(false);
 
 /// One of the two boards.
 pub struct Mps2 {
@@ -72,6 +65,9 @@ pub(crate) fn make_safe() {
 }
 
 /// Runs the firmware under this board name; returns to the emulator when the run has ended.
+///
+/// # Panics
+/// When called twice.
 pub fn start(name: &'static str) -> ! {
     machine::prepare_stack();
     timer::init();
@@ -87,7 +83,8 @@ pub fn start(name: &'static str) -> ! {
         status_every: NonZeroU32::new(1_000_000 / request.period_us.get()).unwrap_or(NonZeroU32::MIN),
     };
     let board = Mps2 { name, overload: request.overload, tick: 0 };
-    journal::start(&board, &settings, reason);
+    let plant = network::plant(request.period_us);
+    journal::start(&board, plant.network_id(), &settings, reason);
     if reason != ResetReason::PowerOn {
         // Nobody is there to acknowledge the fault: tell and leave.
         semihosting::exit(false);
@@ -95,40 +92,22 @@ pub fn start(name: &'static str) -> ! {
     if let Some(trap) = request.trap {
         trap.spring();
     }
-    static QUEUE: StaticCell<Queue<Event, EVENTS>> = StaticCell::new();
-    let (events, mut read_events) = QUEUE.init(Queue::new()).split();
+    let (teller, mut listener) = firmware::events();
     let spawner = EXECUTOR.start(vectors::Irq::SPARE);
     // The task's storage is static and this is its only start.
-    spawner.spawn(looping(board, settings, events).expect("the loop starts once"));
+    spawner.spawn(looping(board, plant, settings, teller).expect("the loop starts once"));
     // Counting instead of sleeping: when the processor sleeps, QEMU winds its clock on from another thread, which
     // now and then comes out two microseconds different. Time that passes by instructions alone never does.
     loop {
         cortex_m::asm::delay(IDLE_CYCLES);
-        while let Some(event) = read_events.dequeue() {
-            journal::event(&event);
-        }
-        if ENDED.load(Ordering::Acquire) {
-            let lost = LOST_EVENTS.load(Ordering::Relaxed);
-            if lost > 0 {
-                journal::lost(lost);
-            }
+        if let Some(well) = listener.log() {
             journal::stack(machine::stack_use());
-            semihosting::exit(!ENDED_SAFE.load(Ordering::Relaxed));
+            semihosting::exit(well);
         }
     }
 }
 
 #[embassy_executor::task]
-async fn looping(mut board: Mps2, settings: Settings, mut events: Producer<'static, Event>) {
-    let mut plant = StandIn::new();
-    control::run(&mut board, &mut plant, &settings, |event| {
-        if let Event::Ended { safe, .. } = event {
-            ENDED_SAFE.store(safe, Ordering::Relaxed);
-        }
-        if events.enqueue(event).is_err() {
-            LOST_EVENTS.fetch_add(1, Ordering::Relaxed);
-        }
-    })
-    .await;
-    ENDED.store(true, Ordering::Release);
+async fn looping(mut board: Mps2, mut plant: NetworkPlant, settings: Settings, teller: Teller) {
+    firmware::run(&mut board, &mut plant, &settings, teller).await;
 }

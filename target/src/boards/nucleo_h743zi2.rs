@@ -1,1 +1,141 @@
-//! ST's NUCLEO-H743ZI2.
+//! ST's NUCLEO-H743ZI2: an STM32H743 (Cortex-M7) at 480 MHz from the 8 MHz that its debug probe feeds it.
+//!
+//! Inputs 0 and 1 are the voltages \[V\] at PA3 (A0 on the connector) and PC0 (A1), outputs 0 and 1 those at PA4 and
+//! PA5, all within 0…3.3 V. Two converters sample at 10 kHz, started by timer 6, so the loop finds a sample that
+//! is at most 0.1 ms old and never waits for one. The green LED (PB0) is lit while outputs are live.
+//!
+//! Source: ST UM2407 (board), RM0433 (device).
+
+mod clocks;
+mod converters;
+mod memory;
+
+use crate::board::{Board, ResetReason};
+use crate::control::Settings;
+use crate::firmware::{self, Teller};
+use crate::network::{self, NetworkPlant};
+use crate::{journal, machine};
+use converters::{Inputs, Outputs};
+use core::num::NonZeroU32;
+use cortex_m::peripheral::DWT;
+use defmt_rtt as _;
+use embassy_executor::InterruptExecutor;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::peripherals::IWDG1;
+use embassy_stm32::wdg::IndependentWatchdog;
+
+/// The loop's period \[µs\].
+const PERIOD_US: NonZeroU32 = NonZeroU32::new(1_000).unwrap();
+/// The watchdog resets the processor when the loop has been silent for this long \[µs\].
+const WATCHDOG_US: u32 = 50_000;
+
+static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+
+/// The board.
+pub struct Nucleo {
+    inputs: Inputs,
+    outputs: Outputs,
+    watchdog: IndependentWatchdog<'static, IWDG1>,
+    live: Output<'static>,
+}
+
+impl Board for Nucleo {
+    const COUNTER_HZ: u32 = 480_000_000;
+
+    fn name(&self) -> &'static str {
+        "nucleo-h743zi2"
+    }
+    fn counter(&self) -> u32 {
+        DWT::cycle_count()
+    }
+    fn read_inputs(&mut self, inputs: &mut [f32]) {
+        self.inputs.read(inputs);
+    }
+    fn write_outputs(&mut self, outputs: &[f32]) {
+        self.outputs.write(outputs);
+        self.live.set_high();
+    }
+    fn safe_outputs(&mut self) {
+        make_safe();
+    }
+    fn feed_watchdog(&mut self) {
+        self.watchdog.pet();
+    }
+}
+
+/// Outputs to 0 V and the LED dark, from any context.
+pub(crate) fn make_safe() {
+    converters::outputs_to_zero();
+    embassy_stm32::pac::GPIOB.bsrr().write(|w| w.set_br(0, true));
+}
+
+/// Runs the firmware.
+///
+/// # Panics
+/// When called twice.
+pub fn start() -> ! {
+    memory::load_hot_code();
+    machine::prepare_stack();
+    let reason = memory::reset_reason();
+    let p = embassy_stm32::init(clocks::config());
+    start_counter();
+    let settings = Settings {
+        period_us: PERIOD_US,
+        ticks: None,
+        startup_ticks: 1_000,
+        overruns_to_safe: 5,
+        lag_to_safe_us: 1_000_000,
+        start_safe: reason != ResetReason::PowerOn,
+        status_every: NonZeroU32::new(1_000_000 / PERIOD_US).unwrap(),
+    };
+    let inputs = Inputs::new(p.ADC1, p.ADC2, p.TIM6, p.PA3, p.PC0);
+    let outputs = Outputs::new(p.DAC1, p.PA4, p.PA5);
+    let live = Output::new(p.PB0, Level::Low, Speed::Low);
+    let mut watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG_US);
+    let plant = network::plant(PERIOD_US);
+    watchdog.unleash();
+    let board = Nucleo { inputs, outputs, watchdog, live };
+    journal::start(&board, plant.network_id(), &settings, reason);
+    let (teller, mut listener) = firmware::events();
+    interrupt::SWPMI1.set_priority(Priority::P6);
+    let spawner = EXECUTOR.start(interrupt::SWPMI1);
+    // The task's storage is static and this is its only start.
+    spawner.spawn(looping(board, plant, settings, teller).expect("the loop starts once"));
+    let mut deepest = 0;
+    loop {
+        cortex_m::asm::wfi();
+        // The loop never ends here, so there is no outcome to look at.
+        listener.log();
+        let stack = machine::stack_use();
+        if stack.deepest > deepest {
+            deepest = stack.deepest;
+            journal::stack(stack);
+        }
+    }
+}
+
+#[embassy_executor::task]
+async fn looping(mut board: Nucleo, mut plant: NetworkPlant, settings: Settings, teller: Teller) {
+    firmware::run(&mut board, &mut plant, &settings, teller).await;
+}
+
+/// The single-wire protocol's interrupt, whose device is not used, runs the executor.
+#[interrupt]
+#[allow(unsafe_code, reason = "an interrupt handler")]
+unsafe fn SWPMI1() {
+    // SAFETY: called from the interrupt that the executor was started with, and from nowhere else.
+    unsafe { EXECUTOR.on_interrupt() }
+}
+
+/// Starts the cycle counter.
+fn start_counter() {
+    // SAFETY: start-up code runs alone, and embassy-stm32 uses none of these.
+    #[allow(unsafe_code, reason = "embassy-stm32 took the processor's peripherals")]
+    let mut core = unsafe { cortex_m::Peripherals::steal() };
+    core.DCB.enable_trace();
+    DWT::unlock();
+    core.DWT.enable_cycle_counter();
+    core.SCB.enable_icache();
+}
