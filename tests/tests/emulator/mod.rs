@@ -17,7 +17,7 @@ pub(crate) struct Run {
 /// Runs a board's firmware with the given words as its command line. Guest time is tied to instructions.
 pub(crate) fn run(machine: &str, variable: &str, words: &[&str]) -> Run {
     let elf = std::env::var(variable).expect("the firmware is built and handed over by `cargo xtask test`");
-    let words: String = words.iter().map(|word| format!(",arg={word}")).collect();
+    let words = words.iter().fold(String::new(), |words, word| words + ",arg=" + word);
     let mut qemu = Command::new("qemu-system-arm")
         .args(["-M", machine, "-nodefaults", "-display", "none", "-monitor", "none"])
         .args(["-icount", "shift=5,sleep=off", "-kernel", &elf])
