@@ -1,0 +1,47 @@
+//! The commands, one a file.
+
+mod paper;
+
+use std::ffi::OsString;
+use std::io::Write;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use crate::Failure;
+use crate::args::{Cli, Command, PaperArgs};
+
+/// Runs the program: `arguments` with the program's name first, results to `out`, complaints to `err`. Returns
+/// the exit code: 0 good, 2 usage or bad input, 1 failure.
+pub fn main(arguments: impl IntoIterator<Item = OsString>, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
+    let done = match Cli::try_parse_from(arguments) {
+        Ok(cli) => run(&cli, out),
+        Err(error) => usage(&error, out),
+    };
+    let done = done.and_then(|()| out.flush().map_err(Failure::from));
+    match done {
+        Ok(()) => 0,
+        Err(failure) => {
+            if matches!(failure, Failure::BadInput(_) | Failure::Failed(_)) {
+                // Nobody is left to tell if this fails too.
+                let _ = writeln!(err, "error: {failure}");
+            }
+            failure.exit_code()
+        }
+    }
+}
+
+fn usage(error: &clap::Error, out: &mut dyn Write) -> Result<(), Failure> {
+    let text = error.render().to_string();
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return Ok(out.write_all(text.as_bytes())?);
+    }
+    Err(Failure::BadInput(text.trim_start_matches("error: ").trim_end().to_owned()))
+}
+
+fn run(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
+    match &cli.command {
+        None => paper::run(&PaperArgs::default(), out),
+        Some(Command::Paper(args)) => paper::run(args, out),
+    }
+}

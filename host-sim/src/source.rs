@@ -1,0 +1,98 @@
+//! Where a network comes from, and what is said when it is refused.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use eclss_network_file::{FileError, Loaded, Problem, parse};
+
+use crate::Failure;
+
+/// The shipped network file, as it was when this program was built.
+const SHIPPED: &str = include_str!("../../networks/paper.toml");
+/// Where the shipped network file stands in the repository.
+const SHIPPED_PATH: &str = "networks/paper.toml";
+
+/// A network and where it came from.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// The file's path as given, or a description of the built-in copy.
+    pub name: String,
+    /// The network.
+    pub loaded: Loaded,
+}
+
+impl Source {
+    /// Reads the network file at `path`.
+    pub fn file(path: &Path) -> Result<Self, Failure> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
+        Self::text(&text, &name, name.clone())
+    }
+
+    /// Reads the paper's network: from the current folder if it stands there, else the copy in this program.
+    pub fn paper() -> Result<Self, Failure> {
+        let path = Path::new(SHIPPED_PATH);
+        if path.is_file() {
+            return Self::file(path);
+        }
+        Self::text(SHIPPED, SHIPPED_PATH, format!("copy of {SHIPPED_PATH} inside this program"))
+    }
+
+    /// Reads `path`, or the paper's network where none is given.
+    pub fn open(path: Option<&Path>) -> Result<Self, Failure> {
+        path.map_or_else(Self::paper, Self::file)
+    }
+
+    fn text(text: &str, file: &str, name: String) -> Result<Self, Failure> {
+        let loaded = parse(text, file).map_err(|error| Failure::BadInput(explain(&error, text)))?;
+        Ok(Self { name, loaded })
+    }
+}
+
+/// Every problem as `file:line:column: reason` with the line it is about and what helps.
+fn explain(error: &FileError, text: &str) -> String {
+    let parts: Vec<_> = error.problems().iter().map(|problem| explain_one(problem, text)).collect();
+    parts.join("\n")
+}
+
+fn explain_one(problem: &Problem, text: &str) -> String {
+    let mut out = problem.to_string();
+    if let (Some(line), Some(span)) = (text.lines().nth(problem.line.wrapping_sub(1)), &problem.span) {
+        let number = problem.line.to_string();
+        let room = " ".repeat(number.len());
+        let shown: String = line.chars().map(|c| if c == '\t' { ' ' } else { c }).take(160).collect();
+        let before = problem.column.saturating_sub(1).min(160);
+        let rest = line.chars().count().saturating_sub(before).max(1);
+        let marked =
+            text.get(span.clone()).map_or(1, |part| part.lines().next().unwrap_or("").chars().count());
+        let marks = "^".repeat(marked.clamp(1, rest.min(160)));
+        let _ = write!(out, "\n {room} |\n {number} | {shown}\n {room} | {}{marks}", " ".repeat(before));
+    }
+    if let Some(help) = &problem.help {
+        let _ = write!(out, "\n  help: {help}");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_copy_is_a_good_network() {
+        let source = Source::text(SHIPPED, SHIPPED_PATH, String::new()).unwrap();
+        assert!(source.loaded.network().check().is_ok());
+        assert!(source.loaded.names.inputs.iter().any(|name| name == "valve.opening"));
+    }
+
+    #[test]
+    fn a_bad_value_is_shown_in_its_line() {
+        let text = SHIPPED.replace("volume_m3 = 60.0", "volume_m3 = -60.0");
+        let failure = Source::text(&text, "bad.toml", String::new()).unwrap_err();
+        let shown = failure.to_string();
+        assert!(shown.starts_with("bad.toml:") && shown.contains("volume_m3 = -60.0"), "{shown}");
+        assert!(shown.contains("^^^^^"), "{shown}");
+        assert_eq!(failure.exit_code(), 2);
+    }
+}
