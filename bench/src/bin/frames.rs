@@ -1,0 +1,37 @@
+//! Runs the paper's valve scenario frame by frame, for an instruction counter that watches `eclss_frame`.
+//!
+//! `eclss-frames METHOD STEP_US UNTIL_MS`
+
+use std::error::Error;
+use std::hint::black_box;
+
+use eclss_bench::{Description, Runner};
+use eclss_core::{Health, Method, Simulator};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [method, step_us, until_ms] = arguments.as_slice() else {
+        return Err("usage: eclss-frames METHOD STEP_US UNTIL_MS".into());
+    };
+    let method = Method::from_name(method).ok_or("no such method")?;
+    let (step_us, until_ms): (u32, u64) = (step_us.parse()?, until_ms.parse()?);
+    let description = Description::paper_loop();
+    let network = description.network();
+    let mut runner = Runner::new(&network, method);
+    let mut simulator = runner.simulator(&network, method, step_us)?;
+    let mut frames = 0u32;
+    while simulator.time_us() < until_ms * 1_000 {
+        if eclss_frame(&mut simulator) != Health::Trusted {
+            return Err("the run left its range".into());
+        }
+        frames += 1;
+    }
+    println!("{frames} frames");
+    Ok(())
+}
+
+/// One frame; its name is what the counter looks for.
+#[inline(never)]
+fn eclss_frame(simulator: &mut Simulator<'_>) -> Health {
+    black_box(simulator.step())
+}
