@@ -10,6 +10,8 @@
 mod arm {
     // Hard-float ABI: argument and result both travel in s0.
     core::arch::global_asm!(
+        // The assembler does not take the FPU from the target: name the smallest one that all our cores have.
+        ".fpu fpv4-sp-d16",
         ".section .text.eclss_vsqrt_f32,\"ax\",%progbits",
         ".global eclss_vsqrt_f32",
         ".type eclss_vsqrt_f32,%function",
