@@ -3,10 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use eclss_core::Method;
+
+use crate::Duration;
 
 /// Simulates the fluid networks of a space station's life support.
 ///
 /// Without a command it runs the experiment of the paper on which the method rests.
+///
+/// Exit codes: 0 good, 1 failure (a run that diverged is one), 2 usage or bad input.
 #[derive(Debug, Parser)]
 #[command(name = "eclss-rt", version, about, long_about)]
 pub(crate) struct Cli {
@@ -20,6 +25,12 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Run the paper's experiment: table, CSV and plots.
     Paper(PaperArgs),
+    /// Run a network and report its state at given times.
+    Run(RunArgs),
+    /// Read a network file, say what is in it and what to watch.
+    Check(CheckArgs),
+    /// Compute the eigenvalues of a step while an input moves through its range.
+    Stability(StabilityArgs),
 }
 
 /// Arguments of `paper`.
@@ -37,4 +48,83 @@ impl Default for PaperArgs {
     fn default() -> Self {
         Self { out: PathBuf::from("results/paper"), readme_picture: None }
     }
+}
+
+/// How a network is stepped.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct Stepping {
+    /// Method; the file's when absent.
+    #[arg(long, value_name = "M", value_parser = method)]
+    pub(crate) method: Option<Method>,
+    /// Step, such as 1ms, 0.1ms or 500us; the file's when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) step: Option<Duration>,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// Network file; the paper's network when absent.
+    pub(crate) network: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) stepping: Stepping,
+    /// Plant time at which the run ends, such as 26s, 2min or 24h; the file's when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) until: Option<Duration>,
+    /// Plant times to report, separated by commas; the end when absent.
+    #[arg(long, value_name = "TIMES", value_delimiter = ',')]
+    pub(crate) at: Vec<Duration>,
+    /// Time between two rows of the CSV; chosen for at most 20 000 rows when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) every: Option<Duration>,
+    /// Folder for CSV and plot; `results/` with the network's name when absent, none with --json.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// Network file.
+    pub(crate) network: PathBuf,
+    #[command(flatten)]
+    pub(crate) stepping: Stepping,
+    /// Write what was read to this file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) save: Option<PathBuf>,
+}
+
+/// Arguments of `stability`.
+#[derive(Debug, Args)]
+pub(crate) struct StabilityArgs {
+    /// Network file; the paper's network when absent.
+    pub(crate) network: Option<PathBuf>,
+    /// Step, such as 1ms; the file's when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) step: Option<Duration>,
+    /// Line; all lines when absent.
+    #[arg(long, value_name = "ID")]
+    pub(crate) line: Option<String>,
+    /// Input that moves, such as valve.opening; each line's stiffest element's when absent.
+    #[arg(long, value_name = "ELEMENT.INPUT")]
+    pub(crate) input: Option<String>,
+    /// First value; 0.02 or the least allowed, whichever is larger, when absent.
+    #[arg(long, value_name = "VALUE")]
+    pub(crate) from: Option<f64>,
+    /// Last value; the largest allowed when absent.
+    #[arg(long, value_name = "VALUE")]
+    pub(crate) to: Option<f64>,
+    /// Folder for CSV and plots; `results/` with the network's name when absent.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+fn method(name: &str) -> Result<Method, String> {
+    Method::from_name(name).ok_or_else(|| {
+        let names: Vec<_> = Method::ALL.iter().map(|method| method.name()).collect();
+        format!("no such method; there are {}", names.join(", "))
+    })
 }

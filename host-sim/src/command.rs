@@ -1,9 +1,13 @@
 //! The commands, one a file.
 
+mod check;
 mod paper;
+mod run;
+mod stability;
 
 use std::ffi::OsString;
 use std::io::Write;
+use std::path::PathBuf;
 
 use clap::Parser;
 use clap::error::ErrorKind;
@@ -15,7 +19,7 @@ use crate::args::{Cli, Command, PaperArgs};
 /// the exit code: 0 good, 2 usage or bad input, 1 failure.
 pub fn main(arguments: impl IntoIterator<Item = OsString>, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
     let done = match Cli::try_parse_from(arguments) {
-        Ok(cli) => run(&cli, out),
+        Ok(cli) => dispatch(&cli, out),
         Err(error) => usage(&error, out),
     };
     let done = done.and_then(|()| out.flush().map_err(Failure::from));
@@ -39,9 +43,23 @@ fn usage(error: &clap::Error, out: &mut dyn Write) -> Result<(), Failure> {
     Err(Failure::BadInput(text.trim_start_matches("error: ").trim_end().to_owned()))
 }
 
-fn run(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
+fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
     match &cli.command {
         None => paper::run(&PaperArgs::default(), out),
         Some(Command::Paper(args)) => paper::run(args, out),
+        Some(Command::Run(args)) => run::run(args, out),
+        Some(Command::Check(args)) => check::run(args, out),
+        Some(Command::Stability(args)) => stability::run(args, out),
     }
+}
+
+/// Names what was written.
+fn list_files(out: &mut dyn Write, files: &[PathBuf]) -> Result<(), Failure> {
+    if !files.is_empty() {
+        writeln!(out, "\nWritten:")?;
+    }
+    for file in files {
+        writeln!(out, "  {}", file.display())?;
+    }
+    Ok(())
 }

@@ -25,7 +25,8 @@ impl Duration {
 
     /// The duration in seconds, for reports.
     pub fn seconds(self) -> f64 {
-        self.us as f64 * 1e-6
+        // Divided, not multiplied: 100 us are 0.0001 s then.
+        self.us as f64 / 1e6
     }
 }
 

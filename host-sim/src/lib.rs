@@ -11,7 +11,10 @@ mod output;
 pub mod paper;
 pub mod plot;
 mod progress;
+mod refusal;
+pub mod run;
 mod source;
+pub mod stability;
 pub mod trace;
 
 pub use buffers::HostBuffers;
@@ -20,3 +23,8 @@ pub use duration::Duration;
 pub use failure::Failure;
 pub use progress::Progress;
 pub use source::Source;
+
+/// Whether the transients of a method are pseudo-time, so that only its states of rest are physical.
+pub fn is_pseudo_time(method: eclss_core::Method) -> bool {
+    matches!(method, eclss_core::Method::Euler | eclss_core::Method::Relaxation)
+}

@@ -9,8 +9,12 @@
 
 mod eigen;
 mod line;
+mod pictures;
+mod spectrum;
 mod sweep;
 
 pub use eigen::{Complex, Disc, eigenvalues, gershgorin, spectral_radius};
 pub use line::LineModel;
+pub use pictures::{Moving, disc_figure, eigenvalue_figure, radius_figure, radius_panel};
+pub use spectrum::{Spectrum, worst};
 pub use sweep::{Sweep, SweepPoint, crossings};

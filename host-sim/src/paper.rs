@@ -12,7 +12,7 @@ mod reference;
 mod report;
 
 pub use exact::DoubleLoop;
-pub use experiment::{Experiment, Results, Run, Settled, Spectrum};
+pub use experiment::{Experiment, Results, Run, Settled};
 pub use pictures::{Picture, pictures, readme_picture};
 pub use reference::Reference;
-pub use report::{proof, write_report};
+pub use report::write_report;

@@ -36,6 +36,11 @@ impl Source {
         if path.is_file() {
             return Self::file(path);
         }
+        Self::shipped()
+    }
+
+    /// The copy of the paper's network inside this program.
+    pub fn shipped() -> Result<Self, Failure> {
         Self::text(SHIPPED, SHIPPED_PATH, format!("copy of {SHIPPED_PATH} inside this program"))
     }
 

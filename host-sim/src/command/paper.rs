@@ -29,9 +29,5 @@ pub(super) fn run(args: &PaperArgs, out: &mut dyn Write) -> Result<(), Failure> 
         files.push(path.clone());
     }
     write_report(out, &source, &results)?;
-    writeln!(out, "\nWritten:")?;
-    for file in files {
-        writeln!(out, "  {}", file.display())?;
-    }
-    Ok(())
+    super::list_files(out, &files)
 }

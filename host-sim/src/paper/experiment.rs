@@ -3,7 +3,8 @@
 use eclss_core::{Fault, Health, Margin, Method, Network, Settings};
 
 use super::{DoubleLoop, Reference};
-use crate::linear::{Sweep, SweepPoint, crossings};
+use crate::linear::Spectrum;
+use crate::refusal::refused;
 use crate::trace::{Column, Trace};
 use crate::{Duration, Failure, HostBuffers, Progress, Source};
 
@@ -86,19 +87,6 @@ impl Settled {
     }
 }
 
-/// Eigenvalues over opening at one step.
-#[derive(Debug, Clone)]
-pub struct Spectrum {
-    /// Step [µs].
-    pub step_us: u32,
-    /// Without the operator.
-    pub plain: Vec<SweepPoint>,
-    /// With the operator.
-    pub stabilised: Vec<SweepPoint>,
-    /// Openings at which the spectral radius without the operator passes 1.
-    pub edges: Vec<f64>,
-}
-
 /// Everything that the experiment found.
 #[derive(Debug, Clone)]
 pub struct Results {
@@ -162,13 +150,15 @@ impl<'s> Experiment<'s> {
             |step_us: &u32| self.double.plain_euler_diverges_s(u64::from(*step_us), UNTIL_US, opening);
         let double_diverged_s = STEPS_US.iter().map(double).collect();
         progress.say("eigenvalues");
-        let spectra: Option<_> = STEPS_US.iter().map(|step_us| self.spectrum(&network, *step_us)).collect();
+        let range = (CLOSED, 1.0, SWEEP_POINTS);
+        let spectrum = |step_us: &u32| Spectrum::compute(&network, 0, self.valve, *step_us, range);
+        let spectra: Option<_> = STEPS_US.iter().map(spectrum).collect();
         let spectra =
             spectra.ok_or_else(|| Failure::Failed("the eigenvalue iteration did not converge".into()))?;
         let reference = Reference::stored();
         let transient_errors = relaxation.iter().map(|run| reference.errors_g_s(&run.flow)).collect();
         let network_id = network.id();
-        Ok(Results { relaxation, euler, double_diverged_s, settled, spectra, transient_errors, network_id })
+        Ok(Results { relaxation, euler, settled, double_diverged_s, spectra, transient_errors, network_id })
     }
 
     /// Opening of the valve at a time, in `f64`, with straight lines between the schedule's points.
@@ -197,7 +187,7 @@ impl<'s> Experiment<'s> {
         let network = loaded.network();
         let mut buffers = HostBuffers::default();
         let mut simulator =
-            buffers.simulator(&network, settings).map_err(|error| refused(self.source, &error))?;
+            buffers.simulator(&network, settings).map_err(|error| refused(self.source, settings, &error))?;
         let mut trace = Trace::new(Column::all(&loaded.records), 1);
         let mut flow = vec![(0.0, f64::from(simulator.line_flow_kg_s(0)) * 1e3)];
         trace.note(&simulator);
@@ -225,24 +215,11 @@ impl<'s> Experiment<'s> {
         let mut buffers = HostBuffers::default();
         let settings = Settings { method: Method::Relaxation, step_us };
         let mut simulator =
-            buffers.simulator(&held, settings).map_err(|error| refused(self.source, &error))?;
+            buffers.simulator(&held, settings).map_err(|error| refused(self.source, settings, &error))?;
         for _ in 0..SETTLE_US / u64::from(step_us) {
             simulator.step();
         }
         let exact_kg_s = self.double.fixed_point_kg_s(f64::from(opening));
         Ok(Settled { opening, step_us, flow_kg_s: simulator.line_flow_kg_s(0), exact_kg_s })
     }
-
-    fn spectrum(&self, network: &Network<'_>, step_us: u32) -> Option<Spectrum> {
-        let step_s = f64::from(step_us) * 1e-6;
-        let sweep = Sweep { network, line: 0, input: self.valve, step_s, stabilised: false };
-        let plain = sweep.points(CLOSED, 1.0, SWEEP_POINTS)?;
-        let edges = crossings(&sweep, &plain);
-        let stabilised = Sweep { stabilised: true, ..sweep }.points(CLOSED, 1.0, SWEEP_POINTS)?;
-        Some(Spectrum { step_us, plain, stabilised, edges })
-    }
-}
-
-fn refused(source: &Source, error: &eclss_core::BuildError) -> Failure {
-    Failure::BadInput(format!("{}: {error}", source.name))
 }

@@ -1,11 +1,11 @@
 //! What the paper's figures show, drawn from our own results.
 
 use super::printed::AMESIM_G_S;
-use super::{Reference, Results, Run, Spectrum};
+use super::{Reference, Results, Run};
 use crate::Duration;
-use crate::linear::SweepPoint;
-use crate::plot::style::{self, BLACK, BLUE, VERMILION};
-use crate::plot::{Axis, ColourScale, Curve, Dash, Dots, Figure, Level, Mark, Note, Panel, Point, thin};
+use crate::linear::{Moving, eigenvalue_figure, radius_figure, radius_panel};
+use crate::plot::style::{BLACK, BLUE, VERMILION};
+use crate::plot::{Axis, Curve, Dash, Figure, Level, Panel, Point, thin};
 
 /// A drawn figure and the name of its file.
 #[derive(Debug, Clone)]
@@ -24,14 +24,29 @@ fn step_name(step_us: u32) -> String {
     Duration::from_us(u64::from(step_us)).to_string()
 }
 
+fn opening() -> Moving {
+    Moving { name: "opening".into(), unit: "%".into(), factor: 100.0 }
+}
+
 /// Draws everything that the paper's figures 4 to 8 show.
 pub fn pictures(results: &Results) -> Vec<Picture> {
     let mut list = Vec::new();
     for spectrum in &results.spectra {
         let step = spectrum.step_us / 1_000;
-        list.push(Picture { file: format!("eigenvalues_{step}ms.svg"), svg: eigenvalues(spectrum).svg() });
+        let remarks = vec![
+            "An explicit step is stable where all eigenvalues of I + h·J lie inside the unit circle.".into(),
+            NOT_THE_PAPERS.into(),
+        ];
+        let svg = eigenvalue_figure(spectrum, &opening(), remarks).svg();
+        list.push(Picture { file: format!("eigenvalues_{step}ms.svg"), svg });
     }
-    list.push(Picture { file: "spectral_radius.svg".into(), svg: radius(&results.spectra).svg() });
+    let remarks = vec![
+        "The paper states 20 % as the opening below which eigenvalues leave the disc without φ.".into(),
+        NOT_THE_PAPERS.into(),
+    ];
+    let spectra: Vec<_> = results.spectra.iter().collect();
+    let svg = radius_figure(&spectra, &opening(), remarks).svg();
+    list.push(Picture { file: "spectral_radius.svg".into(), svg });
     list.push(Picture { file: "flow_operator.svg".into(), svg: with_and_without(results).svg() });
     for (run, errors) in results.relaxation.iter().zip(&results.transient_errors) {
         let step = run.settings.step_us / 1_000;
@@ -39,117 +54,6 @@ pub fn pictures(results: &Results) -> Vec<Picture> {
         list.push(Picture { file, svg: against_reference(run, errors).svg() });
     }
     list
-}
-
-/// One view of the complex plane.
-fn plane(title: &str, points: &[SweepPoint], (from, to): (f64, f64)) -> Panel {
-    let real = Axis::linear("real part [1]", from, to);
-    let mut panel = Panel::new(title, real, Axis::linear("imaginary part [1]", -1.0, 1.0));
-    panel.equal_units = true;
-    let circle = (0..=720).map(|k| (f64::from(k) * 0.5).to_radians()).map(|a| (a.cos(), a.sin())).collect();
-    panel.curves.push(Curve::new("unit circle", BLACK, Dash::Solid, circle));
-    let dots = points.iter().rev().flat_map(|point| {
-        let colour = style::scale((point.value * 100.0 - 2.0) / 98.0);
-        point.eigenvalues.iter().map(move |value| ((value.re, value.im), colour))
-    });
-    panel.dots.push(Dots { label: String::new(), mark: Mark::Disc, radius: 3.0, points: dots.collect() });
-    panel.colours = Some(ColourScale { label: "opening [%]".into(), from: 2.0, to: 100.0 });
-    panel
-}
-
-/// Eigenvalues in the complex plane, without and with the operator.
-fn eigenvalues(spectrum: &Spectrum) -> Figure {
-    let (plain, ours) = (&spectrum.plain, &spectrum.stabilised);
-    let far = plain.iter().flat_map(|point| &point.eigenvalues).map(|value| value.re).fold(0.0, f64::min);
-    let h = f64::from(spectrum.step_us) * 1e-6;
-    let near = (1.0 - 11.0 * h, 1.0 + 3.0 * h);
-    let mut left = plane("without φ", plain, (-3.2, 1.4));
-    left.notes.push(Note {
-        at: (-3.2, 0.75),
-        text: format!("← runs on to {far:.0} at 2 %").replace('-', "−"),
-        colour: style::INK,
-    });
-    Figure {
-        title: format!(
-            "Eigenvalues of one explicit step of {}, valve from 2 to 100 %",
-            step_name(spectrum.step_us)
-        ),
-        panels: vec![
-            left,
-            plane("with φ", ours, (-1.25, 1.25)),
-            plane("without φ, near 1", plain, near),
-            plane("with φ, near 1", ours, near),
-        ],
-        columns: 2,
-        panel_size: (520, 420),
-        remarks: vec![
-            "An explicit step is stable where all eigenvalues of I + h·J lie inside the unit circle.".into(),
-            NOT_THE_PAPERS.into(),
-        ],
-    }
-}
-
-fn radius_panel(title: &str, spectra: &[&Spectrum]) -> Panel {
-    let mut panel = Panel::new(
-        title,
-        Axis::linear("valve opening [%]", 0.0, 100.0),
-        Axis::logarithmic("spectral radius [1]", 0.5, 2_000.0),
-    );
-    panel.levels.push(Level { value: 1.0, label: "limit of stability".into() });
-    for (spectrum, dash) in spectra.iter().zip([Dash::Solid, Dash::Dashed]) {
-        let curve = |points: &[SweepPoint]| -> Vec<Point> {
-            points.iter().map(|point| (point.value * 100.0, point.radius)).collect()
-        };
-        let step = step_name(spectrum.step_us);
-        let plain = Curve::new(&format!("without φ, {step}"), VERMILION, dash, curve(&spectrum.plain));
-        panel.curves.push(plain);
-        let ours = Curve::new(&format!("with φ, {step}"), BLUE, dash, curve(&spectrum.stabilised));
-        panel.curves.push(ours);
-    }
-    panel
-}
-
-/// Distance of the spectral radius from 1 with the operator.
-fn margin_panel(spectra: &[Spectrum]) -> Panel {
-    let mut panel = Panel::new(
-        "",
-        Axis::linear("valve opening [%]", 0.0, 100.0),
-        Axis::logarithmic("margin 1 − ρ with φ [1]", 1e-4, 1e-1),
-    );
-    for (spectrum, dash) in spectra.iter().zip([Dash::Solid, Dash::Dashed]) {
-        let points = spectrum.stabilised.iter().map(|point| (point.value * 100.0, 1.0 - point.radius));
-        let label = format!("with φ, {}", step_name(spectrum.step_us));
-        panel.curves.push(Curve::new(&label, BLUE, dash, points.collect()));
-    }
-    panel
-}
-
-/// Spectral radius over opening, the whole range and the part near 1.
-fn radius(spectra: &[Spectrum]) -> Figure {
-    let list: Vec<_> = spectra.iter().collect();
-    let mut panel = radius_panel("", &list);
-    for spectrum in spectra {
-        if let Some(edge) = spectrum.edges.last() {
-            panel.dots.push(Dots {
-                label: String::new(),
-                mark: Mark::Ring,
-                radius: 5.0,
-                points: vec![((edge * 100.0, 1.0), BLACK)],
-            });
-            let text = format!("{:.1} %", edge * 100.0);
-            panel.notes.push(Note { at: (edge * 100.0, 1.7), text, colour: style::INK });
-        }
-    }
-    Figure {
-        title: "Spectral radius ρ of one explicit step against valve opening".into(),
-        panels: vec![panel, margin_panel(spectra)],
-        columns: 1,
-        panel_size: (860, 380),
-        remarks: vec![
-            "The paper states 20 % as the opening below which eigenvalues leave the disc without φ.".into(),
-            NOT_THE_PAPERS.into(),
-        ],
-    }
 }
 
 fn flow_panel(title: &str, from_s: f64, to_s: f64) -> Panel {
@@ -235,7 +139,7 @@ pub fn readme_picture(results: &Results) -> Option<String> {
     let (plain, ours) = (results.euler.first()?, results.relaxation.first()?);
     let spectrum = results.spectra.first()?;
     let flow = operator_panel("flow while the valve closes", plain, ours, (10.6, 11.2));
-    let radius = radius_panel("spectral radius of a step", &[spectrum]);
+    let radius = radius_panel("spectral radius of a step", &[spectrum], &opening());
     let figure = Figure {
         title: "A valve closes: explicit Euler at 1 ms without and with the adaptive operator φ".into(),
         panels: vec![flow, radius],

@@ -6,7 +6,7 @@
 /// Where the figures come from, for reports.
 pub const SOURCE: &str = "Z. Qiu, L. Pang, G. Li, H. Zhang, Chinese Journal of Aeronautics, 2017";
 
-/// Steady mass flow at 100 % and at 2 % opening by AMESim [g/s].
+/// Steady mass flow at 100 % and at 2 % opening by `AMESim` [g/s].
 pub const AMESIM_G_S: [f64; 2] = [86.4776, 4.0594];
 /// Steady mass flow at 100 % and at 2 % opening by the paper's improved model [g/s].
 pub const IMPROVED_G_S: [f64; 2] = [86.4783, 4.0456];

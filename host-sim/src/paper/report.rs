@@ -2,11 +2,10 @@
 
 use std::io::{self, Write};
 
-use eclss_core::Proof;
-
 use super::printed::{AMESIM_G_S, EDGE_PERCENT, IMPROVED_G_S, SOURCE};
-use super::{Results, Run, Settled, Spectrum};
-use crate::linear::SweepPoint;
+use super::{Results, Run, Settled};
+use crate::linear::{Spectrum, SweepPoint, worst};
+use crate::run::proof;
 use crate::{Duration, Source};
 
 /// Columns of most tables.
@@ -109,7 +108,7 @@ fn divergence(out: &mut dyn Write, results: &Results) -> io::Result<()> {
 
 fn spectra(out: &mut dyn Write, spectra: &[Spectrum]) -> io::Result<()> {
     head(out, "Spectral radius of one step, opening 2…100 %", &STEPS)?;
-    let largest = |points: &[SweepPoint]| points.iter().map(|point| point.radius).fold(0.0, f64::max);
+    let largest = |points: &[SweepPoint]| worst(points).map_or(f64::NAN, |point| point.radius);
     write!(out, "  largest without φ (d)                          ")?;
     for spectrum in spectra {
         write!(out, " {:>12.2}", largest(&spectrum.plain))?;
@@ -157,13 +156,4 @@ fn safety(out: &mut dyn Write, runs: &[Run]) -> io::Result<()> {
     line("state hash at 26 s, first half", &|run| format!("{:08x}", run.state_hash >> 32))?;
     line("state hash at 26 s, second half", &|run| format!("{:08x}", run.state_hash & 0xffff_ffff))?;
     writeln!(out)
-}
-
-/// A proof's name in reports.
-pub fn proof(proof: Proof) -> &'static str {
-    match proof {
-        Proof::Dominant => "dominant",
-        Proof::ShortStep => "short step",
-        Proof::None => "none",
-    }
 }

@@ -12,18 +12,25 @@ const MARGIN: i32 = 14;
 const LINE: i32 = 19;
 /// Room for tick labels of a vertical axis, so that panels below each other begin at one place [px].
 const LEAST_LABEL: i32 = 42;
+/// Steps of colour in a bar.
+const BANDS: i32 = 40;
 /// Length of the sample of a curve in a legend [px].
 const SAMPLE: f64 = 30.0;
+
+/// A number of things as pixels are counted.
+fn count(things: usize) -> i32 {
+    i32::try_from(things).unwrap_or(i32::MAX)
+}
 
 impl Figure {
     /// Draws the figure.
     pub fn svg(&self) -> String {
         let columns = self.columns.clamp(1, self.panels.len().max(1));
-        let rows = self.panels.len().div_ceil(columns) as i32;
+        let rows = count(self.panels.len().div_ceil(columns));
         let (panel_width, panel_height) = self.panel_size;
         let head = TITLE_PX + 14;
-        let width = 2 * MARGIN + columns as i32 * panel_width;
-        let foot = self.remarks.len() as i32 * LINE;
+        let width = 2 * MARGIN + count(columns) * panel_width;
+        let foot = count(self.remarks.len()) * LINE;
         let height = 2 * MARGIN + head + rows * panel_height + foot;
         canvas::svg((width, height), |canvas| {
             // Bold letters are wider; a long title gets smaller ones.
@@ -32,8 +39,8 @@ impl Figure {
             let title = Pen { bold: true, ..Pen::new(px, INK, Anchor::Middle) };
             canvas.text(&self.title, (f64::from(width) / 2.0, f64::from(MARGIN + TITLE_PX / 2)), title)?;
             for (index, panel) in self.panels.iter().enumerate() {
-                let left = MARGIN + (index % columns) as i32 * panel_width;
-                let top = MARGIN + head + (index / columns) as i32 * panel_height;
+                let left = MARGIN + count(index % columns) * panel_width;
+                let top = MARGIN + head + count(index / columns) * panel_height;
                 Frame::new(panel, left, top, self.panel_size).draw(canvas)?;
             }
             for (index, remark) in (0..).zip(&self.remarks) {
@@ -61,7 +68,7 @@ struct Frame<'p> {
 impl<'p> Frame<'p> {
     fn new(panel: &'p Panel, left: i32, top: i32, (width, height): (i32, i32)) -> Self {
         let title = if panel.title.is_empty() { 0 } else { PANEL_PX + 9 };
-        let legend = legend_rows(panel, width - 2 * MARGIN).len() as i32 * LINE;
+        let legend = count(legend_rows(panel, width - 2 * MARGIN).len()) * LINE;
         let y_ticks = axis_ticks(&panel.y, f64::from(height) / 40.0);
         let widest = y_ticks.iter().map(|(_, label)| style::text_width(label, TICK_PX)).max().unwrap_or(0);
         let widest = widest.max(LEAST_LABEL);
@@ -78,7 +85,7 @@ impl<'p> Frame<'p> {
         };
         let mut y_ticks = y_ticks;
         if panel.equal_units {
-            let middle = (window.bottom + window.top) / 2.0;
+            let middle = f64::midpoint(window.bottom, window.top);
             let shape = (inner_bottom - inner_top) / (inner_right - inner_left);
             let half = (window.right - window.left) * shape / 2.0;
             (window.bottom, window.top) = (middle - half, middle + half);
@@ -204,7 +211,6 @@ impl<'p> Frame<'p> {
         let Some(colours) = &self.panel.colours else { return Some(()) };
         let (left, right) = (self.right + 14.0, self.right + 26.0);
         let (top, bottom) = (self.top + 24.0, self.bottom);
-        const BANDS: i32 = 40;
         for band in 0..BANDS {
             let y = |k: i32| bottom - (bottom - top) * f64::from(k) / f64::from(BANDS);
             let colour = style::scale((f64::from(band) + 0.5) / f64::from(BANDS));

@@ -22,7 +22,7 @@ pub(super) fn linear(low: f64, high: f64, wanted: usize) -> Vec<(f64, String)> {
 /// Ticks at powers of ten for an axis that shows log10 of its values, thinned to at most `wanted`.
 pub(super) fn decades(low: f64, high: f64, wanted: usize) -> Vec<(f64, String)> {
     let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
-    let every = (last - first) / wanted.max(1) as i32 + 1;
+    let every = (last - first) / i32::try_from(wanted.max(1)).unwrap_or(1) + 1;
     (first..=last)
         .filter(|k| k.rem_euclid(every) == 0)
         .map(|k| {

@@ -1,0 +1,33 @@
+//! Why a network is not run, in the words of its file.
+
+use eclss_core::{BuildError, MethodError, Settings};
+
+use crate::{Duration, Failure, Source};
+
+/// Explains a simulator's refusal with ids instead of indices.
+pub(crate) fn refused(source: &Source, settings: Settings, error: &BuildError) -> Failure {
+    let method = settings.method.name();
+    let step = Duration::from_us(u64::from(settings.step_us));
+    let node = |index: &u32| source.loaded.names.nodes.get(*index as usize).map_or("?", String::as_str);
+    let reason = match error {
+        BuildError::Method(MethodError::Step { longest_us }) => {
+            let longest = Duration::from_us(u64::from(*longest_us));
+            format!("a step of {step} is too long for method `{method}`; it takes up to {longest}")
+        }
+        BuildError::Method(MethodError::NodeTooSmall(index)) => format!(
+            "node `{}` is too small for method `{method}` at a step of {step}, whose flow it would make \
+             diverge; take a shorter step or another method",
+            node(index)
+        ),
+        BuildError::Method(MethodError::Junction(index)) => {
+            format!("node `{}` has no volume, which method `{method}` needs", node(index))
+        }
+        BuildError::Method(MethodError::NothingResists(index)) => {
+            let segments = &source.loaded.names.segments;
+            let element = segments.get(*index as usize).map_or("?", String::as_str);
+            format!("nothing decides the flow of element `{element}`: no inertance, and no loss at rest")
+        }
+        other => format!("method `{method}` refuses it: {other}"),
+    };
+    Failure::BadInput(format!("{}: {reason}", source.name))
+}

@@ -1,0 +1,59 @@
+//! One run of any network: what was asked, what came out.
+
+mod picture;
+mod plan;
+mod report;
+mod table;
+
+pub use picture::picture;
+pub use plan::{Plan, Wishes};
+pub(crate) use report::proof;
+pub use report::{ById, Diverged, End, RunReport, Snapshot, Worst};
+pub use table::write_table;
+
+use eclss_core::{Health, Simulator};
+
+use crate::refusal::refused;
+use crate::trace::{Column, Trace};
+use crate::{Failure, HostBuffers, Progress, Source};
+
+/// Rows that a record holds at most, unless an interval was asked for.
+const ROWS: u64 = 20_000;
+
+/// Runs `plan` on `source`. A run that leaves its range ends there and says so in the report.
+pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(RunReport, Trace), Failure> {
+    let loaded = &source.loaded;
+    let network = loaded.network();
+    let mut buffers = HostBuffers::default();
+    let mut simulator =
+        buffers.simulator(&network, plan.settings).map_err(|error| refused(source, plan.settings, &error))?;
+    let every = plan.every_ticks.unwrap_or_else(|| plan.ticks.div_ceil(ROWS));
+    let mut trace = Trace::new(Column::all(&loaded.records), every);
+    let mut snapshots = Vec::new();
+    let mut due = plan.at_ticks.iter().copied().peekable();
+    progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
+    loop {
+        trace.note(&simulator);
+        if simulator.health() != Health::Trusted {
+            break;
+        }
+        if due.next_if_eq(&simulator.tick()).is_some() {
+            snapshots.push(Snapshot::take(loaded, &simulator));
+        }
+        if simulator.tick() >= plan.ticks {
+            break;
+        }
+        simulator.step();
+        tell(&simulator, progress);
+    }
+    progress.finish();
+    Ok((RunReport::new(source, plan, snapshots, &simulator), trace))
+}
+
+/// Moves the bar once in a while.
+fn tell(simulator: &Simulator<'_>, progress: &Progress) {
+    const OFTEN: u64 = 4_096;
+    if simulator.tick() % OFTEN == 0 {
+        progress.add(OFTEN);
+    }
+}

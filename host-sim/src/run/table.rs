@@ -1,0 +1,77 @@
+//! The report of a run for people.
+
+use std::io::{self, Write};
+
+use eclss_network_file::{Loaded, Names};
+
+use super::{ById, RunReport, Snapshot};
+
+/// Writes the report.
+pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> io::Result<()> {
+    writeln!(out, "network     {}", report.network)?;
+    writeln!(out, "network id  {}", report.network_id)?;
+    writeln!(out, "method      {}, step {} ms, f32", report.method, report.step_s * 1e3)?;
+    for snapshot in &report.at {
+        writeln!(out)?;
+        write_snapshot(out, &loaded.names, snapshot, loaded)?;
+    }
+    let worst = &report.end.worst;
+    writeln!(out, "\nworst of all {} steps", report.end.tick)?;
+    writeln!(out, "  smallest φ        {}", worst.phi_min)?;
+    writeln!(out, "  spectral bound    {}", worst.spectral_bound)?;
+    writeln!(out, "  weakest proof     {}, {} steps without one", worst.proof, worst.unproven_ticks)?;
+    if report.pseudo_time {
+        writeln!(out, "\nTransients of this method are pseudo-time, not physics; its states of rest are.")?;
+    }
+    if let Some(diverged) = &report.diverged {
+        let element = diverged.element.as_ref().map_or(String::new(), |id| format!(" (element `{id}`)"));
+        writeln!(
+            out,
+            "\nDIVERGED at {} s, step {}: {} `{}`{element} left its range. Nothing after that is reported.",
+            diverged.t_s, diverged.tick, diverged.kind, diverged.id
+        )?;
+    }
+    Ok(())
+}
+
+fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Loaded) -> io::Result<()> {
+    writeln!(out, "t = {} s, step {}", at.t_s, at.tick)?;
+    writeln!(
+        out,
+        "  φ {}, spectral bound {}, proof {}, state hash {}",
+        at.phi_min, at.spectral_bound, at.proof, at.state_hash
+    )?;
+    let room = names.nodes.iter().chain(&names.lines).chain(&names.segments).chain(&names.inputs);
+    let room = room.map(|id| id.chars().count()).max().unwrap_or(0).max(6) + 2;
+    writeln!(out, "  {:<room$} {:>14} {:>16} {:>14}", "", "flow [g/s]", "pressure [Pa]", "gauge [Pa]")?;
+    for id in &names.nodes {
+        row(out, at, id, id, room)?;
+    }
+    let mut segments = names.segments.iter();
+    for (id, line) in names.lines.iter().zip(&loaded.lines) {
+        row(out, at, id, id, room)?;
+        for id in segments.by_ref().take(line.segments as usize) {
+            row(out, at, id, &format!("  {id}"), room)?;
+        }
+    }
+    for (id, value) in &at.inputs.0 {
+        writeln!(out, "  {id:<room$} {value:>14}")?;
+    }
+    Ok(())
+}
+
+fn row(out: &mut dyn Write, at: &Snapshot, id: &str, shown: &str, room: usize) -> io::Result<()> {
+    write!(out, "  {shown:<room$}")?;
+    match find(&at.flows_kg_s, id) {
+        Some(flow) => write!(out, " {:>14.6}", f64::from(flow) * 1e3)?,
+        None => write!(out, " {:>14}", "")?,
+    }
+    match (find(&at.pressures_pa, id), find(&at.gauge_pa, id)) {
+        (Some(pressure), Some(gauge)) => writeln!(out, " {pressure:>16.4} {gauge:>14.4}"),
+        _ => writeln!(out),
+    }
+}
+
+fn find<V: Copy>(list: &ById<V>, id: &str) -> Option<V> {
+    list.0.iter().find(|(name, _)| name == id).map(|(_, value)| *value)
+}
