@@ -64,7 +64,7 @@ pub fn duration_us(text: &str) -> Result<u64, DurationError> {
     let part: u128 =
         if fraction.is_empty() { 0 } else { fraction.parse().map_err(|_| DurationError::Form)? };
     let scaled = (u128::from(whole) * scale + part) * u128::from(unit_us);
-    if scaled % scale != 0 {
+    if !scaled.is_multiple_of(scale) {
         return Err(DurationError::Fraction);
     }
     let us = u64::try_from(scaled / scale).map_err(|_| DurationError::TooLong)?;

@@ -41,6 +41,7 @@ pub mod document;
 mod duration;
 mod element;
 mod error;
+mod flow_row;
 mod input;
 pub mod limits;
 mod loaded;
@@ -50,8 +51,11 @@ mod read;
 mod reason;
 mod record;
 mod rust;
+pub mod steady;
 mod table;
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 pub use document::NetworkFile;
@@ -68,9 +72,28 @@ pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {
     loaded.ok_or_else(|| FileError::new(name, text, notes.findings))
 }
 
+/// Reads and checks the bytes of a network file, as [`parse`] does with text.
+pub fn parse_bytes(bytes: &[u8], name: &str) -> Result<Loaded, FileError> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => parse(text, name),
+        Err(error) => {
+            let mut notes = table::Notes::default();
+            let at = error.valid_up_to();
+            notes.refuse(at..at + 1, "not UTF-8 text");
+            Err(FileError::new(name, &String::from_utf8_lossy(bytes), notes.findings))
+        }
+    }
+}
+
 /// Reads and checks a network file.
 pub fn load(path: &Path) -> Result<Loaded, FileError> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| FileError::unreadable(&name, &error))?;
-    parse(&text, &name)
+    let mut bytes = Vec::new();
+    // One byte more than is allowed is enough to see that the file is too long.
+    let most = limits::FILE_BYTES as u64 + 1;
+    let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
+    match read {
+        Ok(_) => parse_bytes(&bytes, &name),
+        Err(error) => Err(FileError::unreadable(&name, &error)),
+    }
 }

@@ -13,6 +13,8 @@ pub const NODES: usize = 4_096;
 pub const LINES: usize = 4_096;
 /// Most elements in a file.
 pub const ELEMENTS: usize = 65_536;
+/// Most schedules in a file.
+pub const SCHEDULES: usize = 4_096;
 /// Most points of all schedules in a file.
 pub const SCHEDULE_POINTS: usize = 65_536;
 /// Longest id [bytes].

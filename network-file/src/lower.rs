@@ -8,6 +8,7 @@ use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Segment, 
 use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
 use crate::duration::duration_us;
 use crate::element::Conversion;
+use crate::flow_row::{self, Driven};
 use crate::input::{self, Slot};
 use crate::limits;
 use crate::loaded::{Loaded, Names, RunDefaults};
@@ -159,6 +160,7 @@ impl Tables {
             self.names.push(entry.id.clone());
         }
         let segments = &self.segments[first_segment..];
+        let start_flow_kg_s = line.initial_flow_kg_s.unwrap_or(0.0);
         let drop_pa = pressure(file, from) - pressure(file, to);
         if let Some(flow) = excessive_flow(segments, drop_pa) {
             let limit = Fault::FLOW_LIMIT_KG_S;
@@ -170,9 +172,9 @@ impl Tables {
             to: to.unwrap_or(0) as u32,
             first_segment: first_segment as u32,
             segments: segments.len() as u32,
-            flow_segment: flow_segment(segments),
+            flow_segment: flow_row::choose(Driven { segments, drop_pa, start_flow_kg_s }) as u32,
             laminar_below_pa: line.laminar_below_pa.unwrap_or(limits::LAMINAR_BELOW_PA) as f32,
-            start_flow_kg_s: line.initial_flow_kg_s.unwrap_or(0.0) as f32,
+            start_flow_kg_s: start_flow_kg_s as f32,
         });
     }
 }
@@ -197,22 +199,6 @@ fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>) -> f64 {
         Some(node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k))
     };
     line.reference_density_kg_m3.or_else(of_node).unwrap_or(1.0)
-}
-
-/// The segment that carries the line's flow: the valve that resists most when closed, else the element that
-/// resists most.
-fn flow_segment(segments: &[Segment]) -> u32 {
-    let resistance = |segment: &Segment| match &segment.element {
-        StdElement::Valve(valve) => (true, valve.resistance_pa_s2_kg2(0.0)),
-        element => (false, law(element, &[1.0]).0),
-    };
-    let mut best = 0;
-    for (place, segment) in segments.iter().enumerate() {
-        if resistance(segment) > resistance(&segments[best]) {
-            best = place;
-        }
-    }
-    best as u32
 }
 
 /// Loss at 1 kg/s [Pa] and head [Pa] of an element with these inputs.

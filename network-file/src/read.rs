@@ -47,14 +47,9 @@ fn read_file(root: &mut Table<'_, '_>) -> Option<NetworkFile> {
     let title = root.text("title");
     let reference_pressure_pa = root.need_number("reference_pressure_pa", &limits::PRESSURE);
     let run = root.table("run", read_run).unwrap_or_else(default_run);
-    let nodes = root.tables("node", limits::NODES, read_node);
-    let lines = root.tables("line", limits::LINES, read_line);
-    let schedules = root.tables("schedule", limits::NODES, |table| Some(read_schedule(table)));
-    for (key, empty) in [("node", nodes.is_empty()), ("line", lines.is_empty())] {
-        if empty && !root.has(key) {
-            root.refuse(key, format!("there is no `[[{key}]]`"));
-        }
-    }
+    let nodes = root.tables("node", 1..=limits::NODES, read_node);
+    let lines = root.tables("line", 1..=limits::LINES, |line| Some(read_line(line)));
+    let schedules = root.tables("schedule", 0..=limits::SCHEDULES, |table| Some(read_schedule(table)));
     Some(NetworkFile { schema: SCHEMA, name, title, reference_pressure_pa, run, nodes, lines, schedules })
 }
 
@@ -86,7 +81,7 @@ fn read_record(run: &mut Table<'_, '_>) -> Option<Vec<String>> {
 
 fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
     let id = node.need_id("id");
-    let kind = match node.need_word("kind", &NODE_KINDS)?.as_str() {
+    let kind = match node.need_kind("kind", &NODE_KINDS)?.as_str() {
         "cabin" => NodeEntryKind::Cabin { volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME) },
         _ => NodeEntryKind::Boundary,
     };
@@ -95,25 +90,21 @@ fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
     Some(NodeEntry { id, kind, pressure_pa, temperature_k })
 }
 
-fn read_line(line: &mut Table<'_, '_>) -> Option<LineEntry> {
-    let entry = LineEntry {
+fn read_line(line: &mut Table<'_, '_>) -> LineEntry {
+    LineEntry {
         id: line.need_id("id"),
         from: line.need_text("from"),
         to: line.need_text("to"),
         laminar_below_pa: line.number("laminar_below_pa", &limits::PRESSURE),
         initial_flow_kg_s: line.number("initial_flow_kg_s", &limits::MASS_FLOW),
         reference_density_kg_m3: line.number("reference_density_kg_m3", &limits::DENSITY),
-        elements: line.tables("element", limits::ELEMENTS, read_element),
-    };
-    if entry.elements.is_empty() && !line.has("element") {
-        line.refuse("element", format!("line `{}` has no `[[line.element]]`", entry.id));
+        elements: line.tables("element", 1..=limits::ELEMENTS, read_element),
     }
-    Some(entry)
 }
 
 fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
     let id = element.need_id("id");
-    let kind = match element.need_word("kind", &ELEMENT_KINDS)?.as_str() {
+    let kind = match element.need_kind("kind", &ELEMENT_KINDS)?.as_str() {
         "pipe" => ElementKind::Pipe { loss: read_loss(element) },
         "reference_pipe" => ElementKind::ReferencePipe {
             pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::REFERENCE_DROP),
@@ -186,12 +177,13 @@ fn read_machine(element: &mut Table<'_, '_>) -> Machine {
 }
 
 fn read_schedule(schedule: &mut Table<'_, '_>) -> ScheduleEntry {
+    let before = schedule.notes.findings.len();
     let entry = ScheduleEntry {
         input: schedule.need_text("input"),
         interpolation: schedule.word("interpolation", &["linear", "hold"]),
         points: read_points(schedule),
     };
-    if entry.points.is_empty() {
+    if entry.points.is_empty() && schedule.notes.findings.len() == before {
         schedule.refuse("points", "a schedule needs `points`, as in [[0.0, 1.0], [10.0, 0.5]]");
     }
     entry

@@ -5,7 +5,7 @@
 
 use std::fmt::{Debug, Write as _};
 
-use eclss_core::{Method, NodeKind};
+use eclss_core::Method;
 
 use crate::loaded::Loaded;
 
@@ -59,13 +59,9 @@ impl Loaded {
 
     fn write_tables(&self, text: &mut String) {
         table(text, "Nodes.", "NODES", "Node", &self.nodes, |node| {
-            let kind = match node.kind {
-                NodeKind::Cabin { volume_m3 } => format!("Cabin {{ volume_m3: {volume_m3:?} }}"),
-                NodeKind::Boundary => "Boundary".to_owned(),
-            };
-            let (gauge, temperature) = (node.start_gauge_pa, node.temperature_k);
             format!(
-                "Node {{ kind: NodeKind::{kind}, start_gauge_pa: {gauge:?}, temperature_k: {temperature:?} }}"
+                "Node {{ kind: NodeKind::{:?}, start_gauge_pa: {:?}, temperature_k: {:?} }}",
+                node.kind, node.start_gauge_pa, node.temperature_k
             )
         });
         table(text, "Lines.", "LINES", "Line", &self.lines, debug);

@@ -4,7 +4,7 @@
 //! still looked at; with any finding the document is thrown away.
 
 use std::collections::HashMap;
-use std::ops::Range as Span;
+use std::ops::{Range as Span, RangeInclusive};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -42,10 +42,16 @@ impl Notes {
         self.refuse(span, reason);
     }
 
-    /// Where the first of `keys` stands that is in the table at `path`, else the table, else the file's start.
+    /// Where the first of `keys` stands that is in the table at `path`, else the table, else what it is in.
     pub(crate) fn place(&self, path: &str, keys: &[&str]) -> Span<usize> {
         let of_key = keys.iter().find_map(|key| self.places.get(&join(path, key)));
-        of_key.or_else(|| self.places.get(path)).cloned().unwrap_or(0..0)
+        let mut path = Some(path);
+        let above = std::iter::from_fn(|| {
+            let here = path?;
+            path = here.rfind(['.', '[']).map(|end| &here[..end]);
+            Some(here)
+        });
+        of_key.or_else(|| above.into_iter().find_map(|path| self.places.get(path))).cloned().unwrap_or(0..0)
     }
 }
 
@@ -56,34 +62,41 @@ fn join(path: &str, key: &str) -> String {
 /// One table while it is read.
 pub(crate) struct Table<'n, 't> {
     pub(crate) notes: &'n mut Notes,
-    table: &'t DeTable<'t>,
+    entries: &'t DeTable<'t>,
     span: Span<usize>,
     path: String,
     known: Vec<&'static str>,
+    /// The table's kind is not known, so neither are its keys.
+    unclear: bool,
 }
 
 impl<'n, 't> Table<'n, 't> {
-    pub(crate) fn new(notes: &'n mut Notes, table: &'t DeTable<'t>, span: Span<usize>, path: String) -> Self {
+    pub(crate) fn new(
+        notes: &'n mut Notes,
+        entries: &'t DeTable<'t>,
+        span: Span<usize>,
+        path: String,
+    ) -> Self {
         notes.places.insert(path.clone(), span.clone());
-        Self { notes, table, span, path, known: Vec::new() }
+        Self { notes, entries, span, path, known: Vec::new(), unclear: false }
     }
 
     /// The value of `key`, which counts as known from here on.
     fn value(&mut self, key: &'static str) -> Option<&'t Spanned<DeValue<'t>>> {
         self.known.push(key);
-        let value = self.table.get(key)?;
+        let value = self.entries.get(key)?;
         self.notes.places.insert(join(&self.path, key), value.span());
         Some(value)
     }
 
     /// Whether `key` stands in the table.
     pub(crate) fn has(&self, key: &str) -> bool {
-        self.table.contains_key(key)
+        self.entries.contains_key(key)
     }
 
     /// Records a problem at the value of `key`, else at the table.
     pub(crate) fn refuse(&mut self, key: &str, reason: impl Into<String>) {
-        let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
+        let span = self.entries.get(key).map_or_else(|| self.span.clone(), Spanned::span);
         self.notes.refuse(span, reason);
     }
 
@@ -138,13 +151,15 @@ impl<'n, 't> Table<'n, 't> {
         None
     }
 
-    /// One of a set of words that must be there.
-    pub(crate) fn need_word(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
+    /// The kind of the table, one of a set of words that must be there.
+    pub(crate) fn need_kind(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
         if !self.has(key) {
             self.known.push(key);
             self.missing(key);
         }
-        self.word(key, words)
+        let kind = self.word(key, words);
+        self.unclear |= kind.is_none();
+        kind
     }
 
     /// Number of a key that may be absent.
@@ -167,7 +182,13 @@ impl<'n, 't> Table<'n, 't> {
     pub(crate) fn array(&mut self, key: &'static str) -> Option<&'t [Spanned<DeValue<'t>>]> {
         let value = self.value(key)?;
         match value.get_ref() {
-            DeValue::Array(array) => Some(array.as_ref()),
+            DeValue::Array(array) => {
+                for (index, item) in array.iter().enumerate() {
+                    let path = format!("{}[{index}]", join(&self.path, key));
+                    self.notes.places.insert(path, item.span());
+                }
+                Some(array.as_ref())
+            }
             other => {
                 self.notes.refuse(value.span(), format!("`{key}` must be a list, not {}", kind_of(other)));
                 None
@@ -190,17 +211,22 @@ impl<'n, 't> Table<'n, 't> {
         Some(Table::new(self.notes, table, value.span(), path).read(read))
     }
 
-    /// Reads every table of `[[key]]` with `read`, up to `most` of them.
+    /// Reads every table of `[[key]]` with `read`; how many there may be is `count`.
     pub(crate) fn tables<T>(
         &mut self,
         key: &'static str,
-        most: usize,
+        count: RangeInclusive<usize>,
         mut read: impl FnMut(&mut Table<'_, 't>) -> Option<T>,
     ) -> Vec<T> {
-        let Some(array) = self.array(key) else { return Vec::new() };
-        if array.len() > most {
-            self.refuse(key, format!("{} tables `[[{key}]]`, at most {most} are allowed", array.len()));
+        let before = self.notes.findings.len();
+        let array = self.array(key).unwrap_or_default();
+        if array.len() > *count.end() {
+            let (given, most) = (array.len(), count.end());
+            self.refuse(key, format!("{given} tables `[[{key}]]`, at most {most} are allowed"));
             return Vec::new();
+        }
+        if array.len() < *count.start() && self.notes.findings.len() == before {
+            self.refuse(key, format!("there is no `[[{key}]]`"));
         }
         let mut list = Vec::with_capacity(array.len());
         for (index, value) in array.iter().enumerate() {
@@ -217,8 +243,8 @@ impl<'n, 't> Table<'n, 't> {
     /// Reads the table and refuses the keys that nobody asked for.
     pub(crate) fn read<T>(mut self, read: impl FnOnce(&mut Self) -> T) -> T {
         let result = read(&mut self);
-        for key in self.table.keys() {
-            if !self.known.contains(&key.get_ref().as_ref()) {
+        for key in self.entries.keys() {
+            if !self.unclear && !self.known.contains(&key.get_ref().as_ref()) {
                 let name = key.get_ref();
                 let nearest = self.known.iter().min_by_key(|known| distance(name, known));
                 let help = match nearest.filter(|known| distance(name, known) <= 3) {

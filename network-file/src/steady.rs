@@ -1,0 +1,162 @@
+//! Steady state of a network: the flows and pressures at which nothing changes any more, in `f64`.
+//!
+//! Unknown are the flow w of every line and the pressure p of every node that is not held:
+//!
+//! ```text
+//! line   loss(w) = p_from − p_to            (quasi-steady; volumes and inertances inside lines play no part)
+//! node   Σ given − Σ taken = Cap·r          r = dp/dt of the node's island, 0 wherever an island can rest
+//! ```
+//!
+//! An *island* is what hangs together through lines. One with a boundary has its pressures from there. One
+//! without keeps its mass, so the level of its pressures follows from the mass at the start; if something in it
+//! is drained it never comes to rest: its flows do, while all its pressures fall at one rate r.
+//!
+//! Solved by Newton's method in flows and pressures together (the global gradient algorithm of Todini and
+//! Pilati, 1988), with the slope of a line's loss taken at the larger of its flow and the flow that the present
+//! pressures would drive, and the step halved where it does not help. Nothing here is shared with the methods
+//! that step in time but the elements' laws, so that it can judge them.
+
+mod characteristic;
+mod elimination;
+mod island;
+mod newton;
+
+use eclss_core::element::Element;
+use eclss_core::{Network, NetworkError, NodeKind};
+
+use self::island::Islands;
+use crate::Names;
+
+/// Flows and pressures of a state of rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steady {
+    /// Pressure of every node as deviation from the reference [Pa].
+    pub gauge_pa: Vec<f64>,
+    /// Flow of every line at its flow segment [kg/s].
+    pub flow_kg_s: Vec<f64>,
+    /// Rate at which every node's pressure goes on changing [Pa/s]: 0 in a state of rest.
+    pub rate_pa_s: Vec<f64>,
+    /// Newton iterations that it took.
+    pub iterations: u32,
+    /// What is left unbalanced, as part of the largest pressure difference and of the largest flow [1].
+    pub residual: f64,
+}
+
+/// Why there is no steady state; nodes and lines by their index.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SteadyError {
+    /// The description is wrong.
+    Network(NetworkError),
+    /// There are fewer input values than slots.
+    Inputs {
+        /// Number of slots.
+        needed: usize,
+        /// Number of values.
+        given: usize,
+    },
+    /// Nodes without volume hang together without a boundary: nothing fixes their pressure.
+    Floating {
+        /// The nodes.
+        nodes: Vec<u32>,
+    },
+    /// An island without boundary is drained: its pressures fall for ever.
+    Drained {
+        /// Its nodes.
+        nodes: Vec<u32>,
+        /// The lines that drain.
+        lines: Vec<u32>,
+        /// Rate of all its pressures [Pa/s].
+        rate_pa_s: f64,
+    },
+    /// The balance needs less than no pressure at a node.
+    BelowVacuum {
+        /// The node.
+        node: u32,
+        /// Its absolute pressure in the balance [Pa].
+        pressure_pa: f64,
+    },
+    /// The iteration did not find a balance.
+    NotFound {
+        /// The line that is farthest from it.
+        line: u32,
+        /// What it lacks [Pa].
+        imbalance_pa: f64,
+    },
+}
+
+/// Returns the state of rest of `network` with its inputs held at `inputs`, or why there is none.
+pub fn steady<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Steady, SteadyError> {
+    let islands = islands(network, inputs)?;
+    let found = newton::solve(network, inputs, &islands)?;
+    for island in &islands.closed {
+        let rate_pa_s = found.rate_pa_s[island.pinned as usize];
+        if rate_pa_s.abs() > 0.0 {
+            let (nodes, lines) = (island.nodes.clone(), island.drains.clone());
+            return Err(SteadyError::Drained { nodes, lines, rate_pa_s });
+        }
+    }
+    Ok(found)
+}
+
+/// Returns the flows of `network` with its inputs held at `inputs` once they no longer change. Where an island
+/// without boundary is drained its pressures go on falling; [`Steady::rate_pa_s`] says how fast, and the
+/// pressures are those at which the island holds the mass of the start.
+pub fn steady_flows<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Steady, SteadyError> {
+    newton::solve(network, inputs, &islands(network, inputs)?)
+}
+
+fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islands, SteadyError> {
+    network.check().map_err(SteadyError::Network)?;
+    if inputs.len() < network.inputs.len() {
+        return Err(SteadyError::Inputs { needed: network.inputs.len(), given: inputs.len() });
+    }
+    Islands::find(network)
+}
+
+/// Capacity dm/dp of a node [kg/Pa]; 0 for a junction and, as it never matters, for a boundary.
+fn capacity(node: &eclss_core::Node) -> f64 {
+    match node.kind {
+        NodeKind::Cabin { volume_m3 } => {
+            let gas = f64::from(eclss_core::air::GAS_CONSTANT_J_KG_K) * f64::from(node.temperature_k);
+            f64::from(volume_m3) / gas
+        }
+        NodeKind::Junction | NodeKind::Boundary => 0.0,
+    }
+}
+
+impl SteadyError {
+    /// Returns the reason with the ids of the nodes and lines concerned.
+    pub fn text(&self, names: &Names) -> String {
+        let node = |index: &u32| name(&names.nodes, *index);
+        let nodes = |list: &[u32]| list.iter().map(node).collect::<Vec<_>>().join(", ");
+        let line = |index: &u32| name(&names.lines, *index);
+        match self {
+            Self::Network(error) => format!("the network is wrong: {error:?}"),
+            Self::Inputs { needed, given } => format!("{given} input values for {needed} inputs"),
+            Self::Floating { nodes: list } => format!(
+                "nothing fixes the pressure of {}: no volume and no boundary among them",
+                nodes(list)
+            ),
+            Self::Drained { nodes: list, lines, rate_pa_s } => format!(
+                "no steady state: {} have no boundary and lose mass through {}; their pressures change by \
+                 {rate_pa_s:.4} Pa/s for ever",
+                nodes(list),
+                lines.iter().map(line).collect::<Vec<_>>().join(", ")
+            ),
+            Self::BelowVacuum { node: index, pressure_pa } => {
+                format!("no steady state: {} would need {pressure_pa:.1} Pa absolute", node(index))
+            }
+            Self::NotFound { line: index, imbalance_pa } => {
+                format!("no steady state found: line {} lacks {imbalance_pa:.3e} Pa", line(index))
+            }
+        }
+    }
+}
+
+/// The id of a node or line, in quotes.
+fn name(names: &[String], index: u32) -> String {
+    names.get(index as usize).map_or_else(|| format!("number {index}"), |name| format!("`{name}`"))
+}
+
+#[cfg(test)]
+mod tests;

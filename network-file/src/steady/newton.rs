@@ -1,0 +1,283 @@
+//! The iteration of the steady state.
+
+use eclss_core::element::Element;
+use eclss_core::{Line, Network, Node, NodeKind, Plan};
+
+use super::characteristic::Characteristic;
+use super::elimination::Matrix;
+use super::island::Islands;
+use super::{Steady, SteadyError, capacity};
+use crate::plan::PlanTables;
+
+/// Most Newton iterations.
+const MOST: u32 = 400;
+/// Most halvings of one step.
+const HALVINGS: u32 = 8;
+/// Residual at which there is nothing left to gain.
+const EXACT: f64 = 1e-15;
+/// Largest residual of an answer: a law that follows its flow is known in single precision only.
+const ENOUGH: f64 = 1e-6;
+
+/// Where the iteration stands.
+#[derive(Debug, Clone)]
+struct Point {
+    /// Pressure of every node [Pa gauge].
+    gauge: Vec<f64>,
+    /// Flow of every line [kg/s].
+    flow: Vec<f64>,
+    /// dp/dt of every closed island [Pa/s].
+    rate: Vec<f64>,
+    /// Law of every line at its flow.
+    laws: Vec<Characteristic>,
+    /// Largest imbalance as part of the largest pressure difference and flow [1].
+    residual: f64,
+}
+
+/// The equations.
+struct Problem<'n, E> {
+    network: &'n Network<'n, E>,
+    inputs: &'n [f32],
+    islands: &'n Islands,
+    /// Connections with one node of every closed island held.
+    tables: PlanTables,
+    capacity: Vec<f64>,
+    /// Closed island of every node, `usize::MAX` for a node of one that is held.
+    island: Vec<usize>,
+}
+
+/// Finds the steady flows.
+pub(super) fn solve<E: Element>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+    islands: &Islands,
+) -> Result<Steady, SteadyError> {
+    let problem = Problem::new(network, inputs, islands);
+    let mut point = problem.start();
+    let mut iterations = 0;
+    // Rounding makes the residual jitter near the answer: three steps that gain nothing end the search.
+    let mut idle = 0;
+    let mut best = point.clone();
+    while iterations < MOST && idle < 3 && best.residual > EXACT {
+        iterations += 1;
+        point = problem.improve(&point);
+        if point.residual < 0.9 * best.residual {
+            idle = 0;
+        } else if best.residual < ENOUGH {
+            idle += 1;
+        }
+        if point.residual < best.residual {
+            best = point.clone();
+        }
+    }
+    if best.residual > ENOUGH || best.residual.is_nan() {
+        let (line, imbalance_pa) = problem.worst_line(&best);
+        return Err(SteadyError::NotFound { line, imbalance_pa });
+    }
+    problem.answer(best, iterations)
+}
+
+impl<'n, E: Element> Problem<'n, E> {
+    fn new(network: &'n Network<'n, E>, inputs: &'n [f32], islands: &'n Islands) -> Self {
+        let mut nodes: Vec<Node> = network.nodes.to_vec();
+        let mut island = vec![usize::MAX; nodes.len()];
+        for (index, closed) in islands.closed.iter().enumerate() {
+            nodes[closed.pinned as usize].kind = NodeKind::Boundary;
+            for &node in &closed.nodes {
+                island[node as usize] = index;
+            }
+        }
+        let tables = PlanTables::new(&nodes, network.lines);
+        let capacity = network.nodes.iter().map(capacity).collect();
+        Self { network, inputs, islands, tables, capacity, island }
+    }
+
+    /// Start values: pressures as they are, flows as large as any pressure difference could make them, because
+    /// Newton's method for a root comes down on it from above.
+    fn start(&self) -> Point {
+        let gauge: Vec<f64> = self.network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
+        let laws: Vec<_> = self.network.lines.iter().map(|line| self.law(line, 1e-3)).collect();
+        let held = self.network.nodes.iter().zip(&gauge).filter(|(node, _)| node.kind == NodeKind::Boundary);
+        let range = held.fold((f64::MAX, f64::MIN), |(low, high), (_, &gauge)| (low.min(gauge), high.max(gauge)));
+        let span = (range.1 - range.0).max(0.0) + laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
+        let flow = laws.iter().map(|law| law.driven(span.max(1.0) - law.head)).collect();
+        let rate = vec![0.0; self.islands.closed.len()];
+        self.at(gauge, flow, rate)
+    }
+
+    fn law(&self, line: &Line, w: f64) -> Characteristic {
+        Characteristic::at(self.network, self.inputs, line, w)
+    }
+
+    fn drop_pa(line: &Line, gauge: &[f64]) -> f64 {
+        gauge[line.from as usize] - gauge[line.to as usize]
+    }
+
+    /// Completes a point: laws at its flows, and how far it is from balance.
+    fn at(&self, gauge: Vec<f64>, flow: Vec<f64>, rate: Vec<f64>) -> Point {
+        let laws: Vec<_> = self.network.lines.iter().zip(&flow).map(|(line, &w)| self.law(line, w)).collect();
+        let mut net = self.stored(&rate);
+        let (mut imbalance, mut difference, mut largest) = (0.0f64, f64::MIN_POSITIVE, f64::MIN_POSITIVE);
+        for ((line, law), &w) in self.network.lines.iter().zip(&laws).zip(&flow) {
+            let drop = Self::drop_pa(line, &gauge);
+            imbalance = worse(imbalance, (drop - law.loss(w)).abs());
+            difference = difference.max(drop.abs()).max(law.head.abs());
+            largest = largest.max(w.abs());
+            net[line.from as usize] -= law.inlet * w;
+            net[line.to as usize] += law.outlet * w;
+        }
+        let unknown = self.network.nodes.iter().zip(&net).filter(|(node, _)| node.kind != NodeKind::Boundary);
+        let unbalanced = unknown.fold(0.0, |worst, (_, net)| worse(worst, net.abs()));
+        let residual = worse(imbalance / difference, unbalanced / largest);
+        Point { gauge, flow, rate, laws, residual }
+    }
+
+    /// What every node's balance has to give to its own storage, as a negative inflow [kg/s].
+    fn stored(&self, rate: &[f64]) -> Vec<f64> {
+        let of = |(&island, &capacity): (&usize, &f64)| -capacity * rate.get(island).copied().unwrap_or(0.0);
+        self.island.iter().zip(&self.capacity).map(of).collect()
+    }
+
+    /// One damped Newton step.
+    fn improve(&self, point: &Point) -> Point {
+        let (gauge, flow, rate) = self.newton(point);
+        let mut share = 1.0;
+        let mut best: Option<Point> = None;
+        for _ in 0..HALVINGS {
+            let toward = |from: &[f64], to: &[f64]| -> Vec<f64> {
+                from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
+            };
+            let trial = self.at(
+                toward(&point.gauge, &gauge),
+                toward(&point.flow, &flow),
+                toward(&point.rate, &rate),
+            );
+            let better = best.as_ref().is_none_or(|best| trial.residual < best.residual);
+            if better {
+                best = Some(trial);
+            }
+            if best.as_ref().is_some_and(|best| best.residual < point.residual) {
+                break;
+            }
+            share *= 0.5;
+        }
+        best.unwrap_or_else(|| point.clone())
+    }
+
+    /// Pressures, flows and rates that solve the equations linearised at `point`.
+    fn newton(&self, point: &Point) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let rows = self.tables.order.len();
+        let row = |node: u32| Some(self.tables.row_of[node as usize] as usize).filter(|row| *row < rows);
+        let mut matrix = Matrix::new(&self.tables);
+        let mut known = vec![0.0; rows];
+        // Of every line: 1/slope, and the flow at unchanged pressures.
+        let mut lines = Vec::with_capacity(self.network.lines.len());
+        let all = self.network.lines.iter().zip(&point.laws).zip(&point.flow).zip(&self.tables.stamps);
+        for (((line, law), &w), &[from_from, from_to, to_from, to_to]) in all {
+            let drop = Self::drop_pa(line, &point.gauge);
+            let b = 1.0 / law.slope(w.abs().max(law.driven(drop).abs()));
+            let ahead = w + b * (drop - law.loss(w));
+            matrix.add(from_from, law.inlet * b);
+            matrix.add(from_to, -law.inlet * b);
+            matrix.add(to_from, -law.outlet * b);
+            matrix.add(to_to, law.outlet * b);
+            if let Some(row) = row(line.from) {
+                known[row] -= law.inlet * ahead;
+            }
+            if let Some(row) = row(line.to) {
+                known[row] += law.outlet * ahead;
+            }
+            if line.from == line.to && from_from != Plan::NOWHERE {
+                // A loop through one node feels no pressure of it.
+                matrix.add(from_from, -(law.inlet + law.outlet) * b);
+            }
+            lines.push((b, ahead));
+        }
+        matrix.factorise();
+        matrix.solve(&mut known);
+        let mut storing: Vec<f64> = self.tables.order.iter().map(|&node| self.capacity_of(node)).collect();
+        matrix.solve(&mut storing);
+        let rate = self.rates(point, &lines, &known, &storing);
+        let mut gauge = point.gauge.clone();
+        for (row, &node) in self.tables.order.iter().enumerate() {
+            let rate = rate.get(self.island[node as usize]).copied().unwrap_or(0.0);
+            gauge[node as usize] += known[row] - rate * storing[row];
+        }
+        let change = |line: &Line| Self::drop_pa(line, &gauge) - Self::drop_pa(line, &point.gauge);
+        let flow = self.network.lines.iter().zip(&lines).map(|(line, (b, ahead))| ahead + b * change(line));
+        (gauge.clone(), flow.collect(), rate)
+    }
+
+    /// Capacity of a node that stores in its island's common rate; 0 where an island is held.
+    fn capacity_of(&self, node: u32) -> f64 {
+        if self.island[node as usize] == usize::MAX { 0.0 } else { self.capacity[node as usize] }
+    }
+
+    /// Rates of the closed islands: what arrives at the node that stands for the level is stored there too.
+    fn rates(&self, point: &Point, lines: &[(f64, f64)], known: &[f64], storing: &[f64]) -> Vec<f64> {
+        let rate_of = |closed: &super::island::Closed| {
+            if closed.drains.is_empty() {
+                return 0.0;
+            }
+            let pinned = closed.pinned;
+            // Net inflow of the pinned node with the rate at 0, and how much of it every unit of rate costs.
+            let (mut net, mut cost) = (0.0, self.capacity_of(pinned));
+            let moved = |node: u32, list: &[f64]| list.get(self.tables.row_of[node as usize] as usize).copied();
+            for ((line, law), &(b, ahead)) in self.network.lines.iter().zip(&point.laws).zip(lines) {
+                let change = |list: &[f64]| {
+                    b * (moved(line.from, list).unwrap_or(0.0) - moved(line.to, list).unwrap_or(0.0))
+                };
+                let gain = match (line.from == pinned, line.to == pinned) {
+                    (true, true) => law.outlet - law.inlet,
+                    (true, false) => -law.inlet,
+                    (false, true) => law.outlet,
+                    (false, false) => continue,
+                };
+                net += gain * (ahead + change(known));
+                cost += gain * change(storing);
+            }
+            net / cost
+        };
+        self.islands.closed.iter().map(rate_of).collect()
+    }
+
+    /// The line whose pressures are farthest from balance.
+    fn worst_line(&self, point: &Point) -> (u32, f64) {
+        let lines = self.network.lines.iter().zip(&point.laws).zip(&point.flow);
+        let lacks = lines.map(|((line, law), &w)| Self::drop_pa(line, &point.gauge) - law.loss(w));
+        (0u32..).zip(lacks).fold((0, 0.0), |worst: (u32, f64), (index, lack)| {
+            if lack.abs() > worst.1.abs() || lack.is_nan() { (index, lack) } else { worst }
+        })
+    }
+
+    /// Sets the level of closed islands by their mass and looks for pressures that cannot be.
+    fn answer(&self, mut point: Point, iterations: u32) -> Result<Steady, SteadyError> {
+        let mut rate_pa_s = vec![0.0; point.gauge.len()];
+        for (closed, rate) in self.islands.closed.iter().zip(&point.rate) {
+            let (mut mass, mut capacity) = (0.0, 0.0);
+            for &node in &closed.nodes {
+                let node = node as usize;
+                mass += self.capacity[node] * (point.gauge[node] - f64::from(self.network.nodes[node].start_gauge_pa));
+                capacity += self.capacity[node];
+            }
+            for &node in &closed.nodes {
+                point.gauge[node as usize] -= mass / capacity;
+                rate_pa_s[node as usize] = *rate;
+            }
+        }
+        let reference = f64::from(self.network.reference_pa);
+        for (node, gauge) in (0u32..).zip(&point.gauge) {
+            let pressure_pa = reference + gauge;
+            let unknown = self.network.nodes[node as usize].kind != NodeKind::Boundary;
+            if unknown && pressure_pa < -ENOUGH * reference {
+                return Err(SteadyError::BelowVacuum { node, pressure_pa });
+            }
+        }
+        let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;
+        Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations, residual })
+    }
+}
+
+/// The larger of two sizes; NaN where one is.
+fn worse(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
