@@ -21,7 +21,7 @@ const TURNS: usize = 101;
 /// Frames of the valve scenario: 100 ms open, 1 s of closing, 100 ms after.
 pub(crate) const FRAMES: usize = 1_200;
 /// How often the scenario is repeated.
-pub(crate) const REPEATS: usize = 3;
+pub(crate) const REPEATS: usize = 5;
 /// Methods of the core for which a chain of one line is a task; `adaptive` combines it into one flow.
 const METHODS: [Method; 4] = [Method::Euler, Method::Relaxation, Method::ImplicitEuler, Method::TrBdf2];
 

@@ -18,7 +18,7 @@ fn frames(method: Method) -> Vec<u64> {
     let until_ms = if method == Method::Euler { "10800" } else { "26000" };
     let run = Command::new("valgrind")
         .args(["--tool=callgrind", "--quiet", "--combine-dumps=yes"])
-        .args(["--toggle-collect=*eclss_frame*", "--dump-after=*eclss_frame*"])
+        .arg("--dump-after=eclss_frames::eclss_frame")
         .arg(format!("--callgrind-out-file={}", out.display()))
         .args([env!("CARGO_BIN_EXE_eclss-frames"), method.name(), STEP_US, until_ms])
         .output()
@@ -31,15 +31,15 @@ fn frames(method: Method) -> Vec<u64> {
         .next()
         .and_then(|word| word.parse().ok())
         .expect("the program says how many frames it ran");
-    // One part per frame, each with the sum of what it counted; a last one for what ran after the last frame.
-    let mut sums: Vec<u64> = text
+    // One part per frame, from the end of the frame before to its own end, with its sum of instructions; the
+    // first holds the start of the program too, and one more what runs behind the last frame.
+    let sums: Vec<u64> = text
         .lines()
         .filter_map(|line| line.strip_prefix("totals: "))
         .map(|sum| sum.trim().parse().expect("a count"))
         .collect();
-    sums.truncate(counted as usize);
-    assert_eq!(sums.len(), counted as usize, "a part for every frame");
-    sums
+    assert_eq!(sums.len(), counted as usize + 1, "a part for every frame");
+    sums[1..counted as usize].to_vec()
 }
 
 #[test]
