@@ -199,23 +199,29 @@ macro_rules! each {
     };
 }
 
+/// Laws are inlined so that a description known at compile time leaves only the arithmetic of its elements.
+#[allow(clippy::inline_always, reason = "specialised by a compiled network")]
 impl Element for StdElement {
     fn input_spec(&self, index: usize) -> Option<InputSpec> {
         each!(self, element => element.input_spec(index))
     }
 
+    #[inline(always)]
     fn is_active(&self) -> bool {
         each!(self, element => element.is_active())
     }
 
+    #[inline(always)]
     fn follows_flow(&self) -> bool {
         each!(self, element => element.follows_flow())
     }
 
+    #[inline(always)]
     fn law(&self, at: &Operating<'_>) -> Law {
         each!(self, element => element.law(at))
     }
 
+    #[inline(always)]
     fn removal(&self) -> f32 {
         each!(self, element => element.removal())
     }

@@ -28,8 +28,10 @@ pub fn larger(a: f32, b: f32) -> f32 {
 }
 
 /// Returns whether `value` is outside ±`limit` or is NaN.
+#[inline]
+#[allow(clippy::neg_cmp_op_on_partial_ord, reason = "one comparison that is also true for NaN")]
 pub fn beyond(value: f32, limit: f32) -> bool {
-    value.abs() > limit || value.is_nan()
+    !(value.abs() <= limit)
 }
 
 /// 1.5·2²³: adding and subtracting it rounds an `f32` of magnitude below 2²² to the nearest integer.
@@ -52,6 +54,7 @@ const EXP2: [f32; 8] = [
 ///
 /// Always the same operations. The exponent of two of `x` and the logarithm of its mantissa are kept apart
 /// and the product with `exponent` is split, so that a large power does not cost digits.
+#[inline]
 pub fn pow(x: f32, exponent: f32) -> f32 {
     // x = 2^e·m with m in [√½, √2)
     let bits = x.to_bits();
@@ -71,8 +74,10 @@ pub fn pow(x: f32, exponent: f32) -> f32 {
     for coefficient in [EXP2[6], EXP2[5], EXP2[4], EXP2[3], EXP2[2], EXP2[1], EXP2[0]] {
         power = power * fraction + coefficient;
     }
-    let scale = ((k as i32).clamp(-126, 127) + 127) as u32;
-    power * f32::from_bits(scale << 23)
+    // k within −126…127 by the range above; outside it the power saturates instead of wrapping.
+    let scale = if k < -126.0 { -126.0 } else { k };
+    let scale = if scale > 127.0 { 127.0 } else { scale };
+    power * f32::from_bits(((scale as i32 + 127) as u32) << 23)
 }
 
 #[cfg(test)]

@@ -85,6 +85,7 @@ impl FlowRow {
     }
 
     /// Returns the margin of this line with the φ that its step used.
+    #[inline]
     pub fn margin(&self, phi: f32) -> Margin {
         let own = phi * (self.slope * self.own + self.own_linear);
         let others = phi * self.slope * self.others;

@@ -81,13 +81,57 @@ pub enum Health {
     Faulted(Fault),
 }
 
+/// A description and settings that the compiler knows, as generated from a network file.
+pub trait Compiled {
+    /// The element set.
+    type Element: Element + 'static;
+    /// The description.
+    const NETWORK: Network<'static, Self::Element>;
+    /// Method and step.
+    const SETTINGS: Settings;
+}
+
+/// Samples every schedule at the method's stage times.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn follow_schedules<E: Element>(
+    network: &Network<'_, E>,
+    settings: Settings,
+    time_us: u64,
+    inputs: &mut [f32],
+    cursors: &mut [u32],
+) {
+    let step_us = settings.step_us;
+    let implicit = matches!(settings.method, Method::ImplicitEuler | Method::TrBdf2);
+    let inner = implicit::INNER_STAGE * step_us as f32;
+    let whole = inner as u32;
+    let now = Instant { time_us, part_us: 0.0, before: false };
+    let inside =
+        Instant { time_us: time_us + u64::from(whole), part_us: inner - whole as f32, before: false };
+    let end = Instant { time_us: time_us + u64::from(step_us), part_us: 0.0, before: true };
+    let slots = network.inputs.len();
+    for (schedule, cursor) in network.schedules.iter().zip(cursors) {
+        let first = schedule.first_point as usize;
+        let Some(points) = network.points.get(first..first + schedule.points as usize) else { continue };
+        let mut set = |stage: usize, at| {
+            if let Some(input) = inputs.get_mut(stage * slots + schedule.input as usize) {
+                *input = schedule.value(points, cursor, at);
+            }
+        };
+        set(0, now);
+        if implicit {
+            set(1, inside);
+            set(2, end);
+        }
+    }
+}
+
 /// One network under one method: steps, counts and answers for the state.
 #[derive(Debug)]
 pub struct Simulator<'a, E = StdElement> {
     network: &'a Network<'a, E>,
     settings: Settings,
     network_id: u64,
-    step_s: f32,
     tick: u64,
     time_us: u64,
     state: &'a mut [f32],
@@ -135,7 +179,6 @@ impl<'a, E: Element> Simulator<'a, E> {
             network,
             settings,
             network_id: network.id(),
-            step_s,
             tick: 0,
             time_us: 0,
             state,
@@ -151,63 +194,47 @@ impl<'a, E: Element> Simulator<'a, E> {
 
     /// Advances by one step. A faulted simulator stands still.
     pub fn step(&mut self) -> Health {
+        let (network, settings) = (self.network, self.settings);
+        self.advance::<false>(network, settings)
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "specialised for a compiled description")]
+    fn advance<const UNROLL: bool>(&mut self, network: &Network<'_, E>, settings: Settings) -> Health {
         if self.health != Health::Trusted {
             return self.health;
         }
-        self.follow_schedules();
-        let (h, method) = (self.step_s, self.settings.method);
-        let (start, rest) = self.inputs.split_at_checked(self.network.inputs.len()).unwrap_or((&[], &[]));
+        // The lengths are what they were when the simulator was built; said again they are known here.
+        let sizes = settings.method.sizes(network);
+        let (Some(state), Some(work), Some(inputs), Some(cursors)) = (
+            self.state.get_mut(..sizes.state),
+            self.work.get_mut(..sizes.work),
+            self.inputs.get_mut(..sizes.inputs),
+            self.cursors.get_mut(..sizes.cursors),
+        ) else {
+            return self.health;
+        };
+        follow_schedules(network, settings, self.time_us, inputs, cursors);
+        let h = settings.step_us as f32 * 1e-6;
+        let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
-        let (margin, place) = match method {
-            Method::Euler => relaxation::step(self.network, h, false, self.state, self.work, start),
-            Method::Relaxation => relaxation::step(self.network, h, true, self.state, self.work, start),
-            Method::Adaptive => adaptive::step(self.network, h, self.state, self.work, start),
+        let (margin, place) = match settings.method {
+            Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
+            Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, start),
+            Method::Adaptive => adaptive::step(network, h, state, work, start),
             Method::ImplicitEuler | Method::TrBdf2 => {
-                let inputs = StageInputs { start, middle, end };
-                implicit::step(self.network, method, h, self.state, self.work, inputs)
+                implicit::step(network, settings.method, h, state, work, StageInputs { start, middle, end })
             }
         };
         self.margin = margin;
         self.worst_margin = self.worst_margin.with(margin);
         self.unproven_ticks += u64::from(margin.proof == Proof::None);
         self.tick += 1;
-        self.time_us += u64::from(self.settings.step_us);
+        self.time_us += u64::from(settings.step_us);
         if let Some(place) = place {
             self.health = Health::Faulted(Fault { tick: self.tick, place });
         }
         self.health
-    }
-
-    /// Samples every schedule at the method's stage times.
-    fn follow_schedules(&mut self) {
-        let step_us = self.settings.step_us;
-        let implicit = matches!(self.settings.method, Method::ImplicitEuler | Method::TrBdf2);
-        let inner = implicit::INNER_STAGE * step_us as f32;
-        let now = Instant { time_us: self.time_us, part_us: 0.0, before: false };
-        let whole = inner as u32;
-        let inside = Instant {
-            time_us: self.time_us + u64::from(whole),
-            part_us: inner - whole as f32,
-            before: false,
-        };
-        let end = Instant { time_us: self.time_us + u64::from(step_us), part_us: 0.0, before: true };
-        let slots = self.network.inputs.len();
-        for (schedule, cursor) in self.network.schedules.iter().zip(self.cursors.iter_mut()) {
-            let first = schedule.first_point as usize;
-            let Some(points) = self.network.points.get(first..first + schedule.points as usize) else {
-                continue;
-            };
-            let mut set = |stage: usize, at| {
-                if let Some(input) = self.inputs.get_mut(stage * slots + schedule.input as usize) {
-                    *input = schedule.value(points, cursor, at);
-                }
-            };
-            set(0, now);
-            if implicit {
-                set(1, inside);
-                set(2, end);
-            }
-        }
     }
 
     /// Sets an input from outside, as hardware or an operator does. Returns false where the slot does not
@@ -343,5 +370,41 @@ impl<'a, E: Element> Simulator<'a, E> {
         hash.long(self.tick);
         hash.values(self.state);
         hash.finish()
+    }
+}
+
+/// A simulator of a description that the compiler knows: same bits as [`Simulator::step`], but every table is
+/// read, every branch on it taken and every bound checked at compile time.
+#[derive(Debug)]
+pub struct CompiledSimulator<'a, N: Compiled> {
+    simulator: Simulator<'a, N::Element>,
+    description: core::marker::PhantomData<N>,
+}
+
+impl<'a, N: Compiled> CompiledSimulator<'a, N> {
+    /// Returns `simulator` with a specialised step, or `None` where it runs another description or settings.
+    pub fn new(simulator: Simulator<'a, N::Element>) -> Option<Self> {
+        let same = simulator.network_id == N::NETWORK.id() && simulator.settings == N::SETTINGS;
+        same.then_some(Self { simulator, description: core::marker::PhantomData })
+    }
+
+    /// Advances by one step. A faulted simulator stands still.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "to be specialised where it is called")]
+    pub fn step(&mut self) -> Health {
+        self.simulator.advance::<true>(&N::NETWORK, N::SETTINGS)
+    }
+
+    /// Sets an input, see [`Simulator::set_input`].
+    pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
+        self.simulator.set_input(slot, value)
+    }
+}
+
+impl<'a, N: Compiled> core::ops::Deref for CompiledSimulator<'a, N> {
+    type Target = Simulator<'a, N::Element>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.simulator
     }
 }

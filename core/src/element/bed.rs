@@ -26,14 +26,17 @@ impl Element for Bed {
         None
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         false
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
     }
 
+    #[inline]
     fn removal(&self) -> f32 {
         // w_d = y·η·w_in = s·w_out with w_in = w_out + w_d.
         let captured = self.mass_fraction * self.capture_efficiency;

@@ -34,10 +34,12 @@ impl HeadCurve {
     }
 
     /// Returns the law at `speed` [1, 0 stopped … 1 rated] and `density_ratio` ρ/`ρ_ref` [1, > 0].
+    #[inline]
     pub fn law(&self, speed: f32, density_ratio: f32) -> Law {
         Law {
             resistance: self.quadratic_pa_s2_kg2 / density_ratio,
-            linear: speed * self.linear_pa_s_kg,
+            // Said this way, a curve without linear part is known to have none when the network is compiled in.
+            linear: if self.linear_pa_s_kg > 0.0 { speed * self.linear_pa_s_kg } else { 0.0 },
             head: speed * speed * self.shutoff_pa * density_ratio,
         }
     }

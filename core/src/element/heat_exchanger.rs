@@ -26,14 +26,17 @@ impl Element for HeatExchanger {
         None
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         false
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
     }
 
+    #[inline]
     fn removal(&self) -> f32 {
         self.separator_efficiency * self.liquid_fraction
     }

@@ -30,10 +30,12 @@ impl Element for Pipe {
         None
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         false
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
     }

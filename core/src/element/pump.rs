@@ -20,10 +20,12 @@ impl Element for Pump {
         (index == 0).then_some(speed)
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         true
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         self.curve.law(at.inputs.first().copied().unwrap_or(1.0), at.density_ratio)
     }

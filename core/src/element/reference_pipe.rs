@@ -30,6 +30,7 @@ impl Element for ReferencePipe {
         None
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         self.exponent < 2.0
     }
@@ -38,6 +39,7 @@ impl Element for ReferencePipe {
         self.is_active()
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         let part = math::larger((at.mass_flow_kg_s / self.mass_flow_kg_s).abs(), SMALLEST_PART);
         // Chord resistance Δp/w² at this flow; R' and L' match value and slope of the law there.

@@ -23,6 +23,7 @@ pub struct Valve {
 
 impl Valve {
     /// Returns R(C) [Pa·s²/kg²] for `opening` [1, 0 closed … 1 open].
+    #[inline]
     pub fn resistance_pa_s2_kg2(&self, opening: f32) -> f32 {
         self.open_resistance_pa_s2_kg2
             * math::pow(math::larger(opening, self.leakage_opening), -self.exponent)
@@ -35,10 +36,12 @@ impl Element for Valve {
         (index == 0).then_some(opening)
     }
 
+    #[inline]
     fn is_active(&self) -> bool {
         true
     }
 
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = at.inputs.first().copied().unwrap_or(1.0);
         Law::quadratic(self.resistance_pa_s2_kg2(opening) / at.density_ratio)

@@ -33,6 +33,8 @@ const INNER_ITERATIONS: u32 = 3;
 /// ΣR and ΣL for forward flow, both for reverse flow, and Σf of a line.
 type Sums = [f32; 5];
 
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines) = (network.nodes.len(), network.lines.len());
     (Common::length(network) + lines, 4 * nodes + 16 * lines)
@@ -144,6 +146,8 @@ fn add(sums: &mut Sums, law: &Law, ratio: f32) {
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn step<E: Element>(
     network: &Network<'_, E>,
     h: f32,
@@ -170,6 +174,8 @@ pub(crate) fn step<E: Element>(
 }
 
 /// Evaluates the laws that may have changed, at the flows of the last step.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], flow: &[f32], work: &mut Work<'_>) {
     for active in network.active {
         let line = active.line as usize;
@@ -210,6 +216,8 @@ fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, end
 
 /// Asks lines whose law follows their flow again, at the flow that the last answer gave. The bound of the
 /// step does not depend on how far this has converged: G is always w/y of the flow that is used.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn iterate<E: Element>(network: &Network<'_, E>, inputs: &[f32], flow: &mut [f32], work: &mut Work<'_>) {
     if !network.active.iter().any(|active| follows_flow(network, active.segment)) {
         return;
@@ -259,11 +267,13 @@ fn pass(h: f32, w: f32, conductance: f32, ratio: &[f32; 2], ledger: &mut LineSum
     let [inlet, outlet] = if w > 0.0 { *ratio } else { [1.0, 1.0] };
     let passed = h * w;
     let (taken, given) = (inlet * passed, outlet * passed);
-    common::book(ledger, taken, given, taken - given);
+    common::book(ledger, given, taken - given);
     *ends = [[-taken, inlet * conductance], [given, outlet * conductance]];
 }
 
 /// Moves every node by its transfers. Returns the smallest φ and the first node out of range.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn step_nodes<E: Element>(
     network: &Network<'_, E>,
     common: &mut Common<'_>,

@@ -26,8 +26,9 @@ impl<'b> Cut<'b> {
     }
 }
 
-/// Sums that a line keeps: taken from its inlet node, given to its outlet node, drained; each with its carry.
-pub(crate) type LineSums = [f32; 6];
+/// Sums that a line keeps: given to its outlet node, drained; each with its carry. What it took from its inlet
+/// node is their sum, and what its own volumes hold.
+pub(crate) type LineSums = [f32; 4];
 
 /// The part of the state that all methods share; it stands at the buffer's beginning.
 pub(crate) struct Common<'s> {
@@ -41,7 +42,7 @@ pub(crate) struct Common<'s> {
 
 impl<'s> Common<'s> {
     pub(crate) fn length<E>(network: &Network<'_, E>) -> usize {
-        4 * network.nodes.len() + 6 * network.lines.len()
+        4 * network.nodes.len() + 4 * network.lines.len()
     }
 
     pub(crate) fn cut<E>(network: &Network<'_, E>, cut: &mut Cut<'s>) -> Self {
@@ -51,12 +52,36 @@ impl<'s> Common<'s> {
     }
 }
 
-/// Books one step of one line [kg].
+/// Books one step of one line [kg] and moves the masses of its nodes.
+///
+/// `taken − given − drained` is what the line's own volumes keep; it is not booked but read from them.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-pub(crate) fn book(sums: &mut LineSums, taken: f32, given: f32, drained: f32) {
-    let [taken_sum, taken_carry, given_sum, given_carry, drained_sum, drained_carry] = sums;
-    math::compensated_add(taken_sum, taken_carry, taken);
+pub(crate) fn transfer(
+    common: &mut Common<'_>,
+    index: usize,
+    line: &crate::Line,
+    taken: f32,
+    given: f32,
+    drained: f32,
+) {
+    if line.from == line.to {
+        // Exact: the two differ by less than a factor of two.
+        add_mass(common.mass, line.from as usize, given - taken);
+    } else {
+        add_mass(common.mass, line.from as usize, -taken);
+        add_mass(common.mass, line.to as usize, given);
+    }
+    if let Some(sums) = common.sums.get_mut(index) {
+        book(sums, given, drained);
+    }
+}
+
+/// Books what a line gave and drained [kg].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+pub(crate) fn book(sums: &mut LineSums, given: f32, drained: f32) {
+    let [given_sum, given_carry, drained_sum, drained_carry] = sums;
     math::compensated_add(given_sum, given_carry, given);
     math::compensated_add(drained_sum, drained_carry, drained);
 }

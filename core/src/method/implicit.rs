@@ -35,6 +35,8 @@ const CARRY_OVER: f32 = 1.207_106_8;
 /// √2/4: weight of the first stage's increment in the mean flow.
 const MEAN: f32 = 0.353_553_4;
 
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
     let (rows, entries) = (network.plan.order.len(), network.plan.columns.len());
@@ -198,6 +200,8 @@ pub(crate) struct StageInputs<'i> {
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn step<E: Element>(
     network: &Network<'_, E>,
     method: Method,
@@ -235,6 +239,8 @@ pub(crate) fn step<E: Element>(
 }
 
 /// Evaluates the laws that may have changed, and every line's laminar flow.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn laws<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'_>, work: &mut Work<'_>) {
     for active in network.active {
         let index = active.segment as usize;
@@ -256,6 +262,8 @@ fn laws<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'_>,
 }
 
 /// Known parts of the trapezoidal stage: the rates of change at the step's start.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn rates<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Work<'_>) {
     work.node_known.fill(0.0);
     for (index, line) in network.lines.iter().enumerate() {
@@ -293,6 +301,8 @@ fn rates<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Wor
 }
 
 /// Known parts of the BDF2 stage: a share of the first stage's increments.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn carry_over(work: &mut Work<'_>) {
     let segments =
         work.known.iter_mut().zip(work.fixed.iter()).zip(work.delta.iter()).zip(work.first.iter_mut());
@@ -353,6 +363,8 @@ fn add(slots: &mut [f32], index: u32, value: f32) {
 }
 
 /// One Newton iteration: all lines are swept, the nodes solved, the lines filled in.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn solve<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Work<'_>) {
     let plan = &network.plan;
     work.matrix.entries.fill(0.0);
@@ -409,6 +421,8 @@ fn solve<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Wor
 }
 
 /// Adds a line to the node equations.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn stamp(
     matrix: &mut Matrix<'_>,
     plan: &Plan<'_>,
@@ -434,6 +448,8 @@ fn stamp(
 }
 
 /// Moves masses by the mean flows of the step and takes the last stage's increments over.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn commit<E: Element>(
     network: &Network<'_, E>,
     h: f32,
@@ -442,7 +458,7 @@ fn commit<E: Element>(
     work: &mut Work<'_>,
 ) -> Option<Place> {
     let mut place = None;
-    for ((index, line), sums) in (0u32..).zip(network.lines).zip(state.common.sums.iter_mut()) {
+    for (index, line) in (0u32..).zip(network.lines) {
         let first = line.first_segment as usize;
         let range = first..first + line.segments as usize;
         let (Some(flow), Some(gauge), Some(fixed), Some(delta), Some(early)) = (
@@ -492,9 +508,7 @@ fn commit<E: Element>(
                 carried -= leaving;
             }
         }
-        common::add_mass(state.common.mass, line.from as usize, -taken);
-        common::add_mass(state.common.mass, line.to as usize, carried);
-        common::book(sums, taken, carried, drained);
+        common::transfer(&mut state.common, index as usize, line, taken, carried, drained);
     }
     commit_nodes(network, state, work).or(place)
 }
@@ -509,6 +523,8 @@ fn drain(removal: f32, leaves: f32) -> f32 {
     if leaves > 0.0 { removal * leaves } else { 0.0 }
 }
 
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn commit_nodes<E: Element>(
     network: &Network<'_, E>,
     state: &mut State<'_>,

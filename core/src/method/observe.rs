@@ -142,8 +142,9 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Taken, given and drained by a line since the start [kg].
     pub(crate) fn line_sums_kg(&self, line: usize) -> [f64; 3] {
-        let first = 4 * self.network.nodes.len() + 6 * line;
-        [self.sum_at(first), self.sum_at(first + 2), self.sum_at(first + 4)]
+        let first = 4 * self.network.nodes.len() + 4 * line;
+        let (given, drained) = (self.sum_at(first), self.sum_at(first + 2));
+        [given + drained + self.held_kg(line), given, drained]
     }
 
     /// Mass stored in the volumes inside a line as deviation from the start [kg].

@@ -28,9 +28,11 @@ const LINE_FIGURES: usize = 10;
 /// Smallest flow at which a linear loss is turned into a quadratic one [kg/s].
 const SMALLEST_FLOW: f32 = 1e-6;
 
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-    (Common::length(network) + 2 * (lines + segments), 2 * nodes + LINE_FIGURES * lines + 3 * segments)
+    (Common::length(network) + 2 * (lines + segments), 2 * nodes + LINE_FIGURES * lines + 4 * segments)
 }
 
 pub(crate) fn check<E: Element>(
@@ -86,6 +88,8 @@ struct Work<'w> {
     head: &'w mut [f32],
     /// `m_i² − 1` of each row.
     excess: &'w mut [f32],
+    /// `m_i` of each row.
+    ratio: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -95,7 +99,7 @@ impl<'w> Work<'w> {
         let (pressure, per_mass) = (cut.take(nodes), cut.take(nodes));
         let lines = cut.take_rows(network.lines.len());
         let (resistance, head, excess) = (cut.take(segments), cut.take(segments), cut.take(segments));
-        Self { pressure, per_mass, lines, resistance, head, excess }
+        Self { pressure, per_mass, lines, resistance, head, excess, ratio: cut.take(segments) }
     }
 }
 
@@ -120,8 +124,8 @@ pub(crate) fn start<E: Element>(
         *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
             let place = line.first_segment as usize + index;
             let excess = ratio * ratio - 1.0;
-            if let Some(slot) = work.excess.get_mut(place) {
-                *slot = excess;
+            if let (Some(slot), Some(own)) = (work.excess.get_mut(place), work.ratio.get_mut(place)) {
+                (*slot, *own) = (excess, ratio);
             }
             if index == 0 {
                 *inlet = ratio;
@@ -153,7 +157,9 @@ fn operating<'i, E: Element>(segment: &Segment<E>, inputs: &'i [f32], mass_flow_
 
 /// Advances by `h` [s]. `stabilised` switches the operator on. Returns the margin of this step and the first
 /// value that left its range.
-pub(crate) fn step<E: Element>(
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn step<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     h: f32,
     stabilised: bool,
@@ -162,7 +168,7 @@ pub(crate) fn step<E: Element>(
     inputs: &[f32],
 ) -> (Margin, Option<Place>) {
     let (mut state, mut work) = (State::of(network, state), Work::of(network, work));
-    refresh(network, inputs, &state, &mut work);
+    refresh::<E, UNROLL>(network, inputs, &state, &mut work);
     let mut margin = Margin::FREE;
     let mut place = None;
     for (index, line) in (0u32..).zip(network.lines) {
@@ -181,38 +187,73 @@ pub(crate) fn step<E: Element>(
     (margin, place)
 }
 
-/// Evaluates the laws that may have changed.
-fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], state: &State<'_>, work: &mut Work<'_>) {
+/// Evaluates the laws that may have changed. `UNROLL` walks all segments, for a description known to the
+/// compiler, which then keeps only those that are active; the order is the same.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn refresh<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+    state: &State<'_>,
+    work: &mut Work<'_>,
+) {
     for [_, rows, _, _, fold, linear, _, head, _, _] in work.lines.iter_mut() {
         (*rows, *fold, *linear, *head) = (0.0, 0.0, 0.0, 0.0);
     }
-    for active in network.active {
-        let (place, line) = (active.segment as usize, active.line as usize);
-        let (Some(segment), Some(line), Some(figures), Some(&w), Some(resistance), Some(head), Some(&excess)) = (
-            network.segments.get(place),
-            network.lines.get(line),
-            work.lines.get_mut(line),
-            state.flow.get(line),
-            work.resistance.get_mut(place),
-            work.head.get_mut(place),
-            work.excess.get(place),
-        ) else {
-            continue;
-        };
-        // m² and m at this element; nothing is drained from reversed flow.
-        let square = if w > 0.0 { 1.0 + excess } else { 1.0 };
-        let ratio = math::sqrt(square);
-        let law = segment.element.law(&operating(segment, inputs, ratio * w));
-        let [_, rows, _, _, fold, linear, _, fold_head, _, _] = figures;
-        if active.segment - line.first_segment < line.flow_segment {
-            *resistance = law.resistance + law.linear / math::larger(ratio * w.abs(), SMALLEST_FLOW);
-            *head = law.head;
-            *rows += *resistance * square;
-        } else {
-            *fold += law.resistance * square;
-            *linear += law.linear * ratio;
-            *fold_head += law.head;
+    if UNROLL {
+        for (index, line) in network.lines.iter().enumerate() {
+            for (place, segment) in (line.first_segment as usize..).zip(network.segments_of(line)) {
+                if segment.element.is_active() {
+                    refresh_one(segment, line, index, place, inputs, state, work);
+                }
+            }
         }
+    } else {
+        for active in network.active {
+            let (place, index) = (active.segment as usize, active.line as usize);
+            if let (Some(segment), Some(line)) = (network.segments.get(place), network.lines.get(index)) {
+                refresh_one(segment, line, index, place, inputs, state, work);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn refresh_one<E: Element>(
+    segment: &Segment<E>,
+    line: &Line,
+    index: usize,
+    place: usize,
+    inputs: &[f32],
+    state: &State<'_>,
+    work: &mut Work<'_>,
+) {
+    let (Some(figures), Some(&w), Some(resistance), Some(head), Some(&own)) = (
+        work.lines.get_mut(index),
+        state.flow.get(index),
+        work.resistance.get_mut(place),
+        work.head.get_mut(place),
+        work.ratio.get(place),
+    ) else {
+        return;
+    };
+    // Nothing is drained from reversed flow.
+    let ratio = if w > 0.0 { own } else { 1.0 };
+    let square = ratio * ratio;
+    let law = segment.element.law(&operating(segment, inputs, ratio * w));
+    let [_, rows, _, _, fold, linear, _, fold_head, _, _] = figures;
+    if place < (line.first_segment + line.flow_segment) as usize {
+        *resistance = law.resistance;
+        if law.linear > 0.0 {
+            *resistance += law.linear / math::larger(ratio * w.abs(), SMALLEST_FLOW);
+        }
+        *head = law.head;
+        *rows += *resistance * square;
+    } else {
+        *fold += law.resistance * square;
+        *linear += law.linear * ratio;
+        *fold_head += law.head;
     }
 }
 
@@ -255,7 +296,8 @@ fn step_line(
     let linear = figures[5];
 
     // w|w|, linear below the flow at which the whole line's loss is `laminar_below_pa`
-    let laminar = math::sqrt(line.laminar_below_pa / (others + folded));
+    let laminar =
+        if line.laminar_below_pa > 0.0 { math::sqrt(line.laminar_below_pa / (others + folded)) } else { 0.0 };
     let size = math::larger(w.abs(), laminar);
     let square = w * size;
     let square_forward = if forward { square } else { 0.0 };
@@ -279,10 +321,6 @@ fn step_line(
     let passed = h * *flow;
     let (taken, given) =
         if *flow > 0.0 { (figures[8] * passed, figures[9] * passed) } else { (passed, passed) };
-    common::add_mass(state.common.mass, from, -taken);
-    common::add_mass(state.common.mass, to, given);
-    if let Some(sums) = state.common.sums.get_mut(index) {
-        common::book(sums, taken, given, taken - given);
-    }
+    common::transfer(&mut state.common, index, line, taken, given, taken - given);
     row.margin(phi)
 }
