@@ -31,6 +31,8 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Compute the eigenvalues of a step while an input moves through its range.
     Stability(StabilityArgs),
+    /// Measure what a step costs against the number of equations.
+    Bench(BenchArgs),
 }
 
 /// Arguments of `paper`.
@@ -120,6 +122,17 @@ pub(crate) struct StabilityArgs {
     /// Folder for CSV and plots; `results/` with the network's name when absent.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// Equations of the chains, separated by commas; those of the paper's figure when absent.
+    #[arg(long, value_name = "SIZES", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub(crate) sizes: Vec<u32>,
+    /// Folder for CSV and plot.
+    #[arg(long, default_value = "results/bench", value_name = "DIR")]
+    pub(crate) out: PathBuf,
 }
 
 fn method(name: &str) -> Result<Method, String> {

@@ -1,5 +1,6 @@
 //! The commands, one a file.
 
+mod bench;
 mod check;
 mod paper;
 mod run;
@@ -50,6 +51,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Run(args)) => run::run(args, out),
         Some(Command::Check(args)) => check::run(args, out),
         Some(Command::Stability(args)) => stability::run(args, out),
+        Some(Command::Bench(args)) => bench::run(args, out),
     }
 }
 

@@ -32,6 +32,12 @@ impl Progress {
         self.bar.inc(units);
     }
 
+    /// Sets the work done so far.
+    pub fn set(&self, units: u64) {
+        self.bar.set_position(units);
+        self.bar.tick();
+    }
+
     /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

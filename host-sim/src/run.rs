@@ -19,6 +19,8 @@ use crate::{Failure, HostBuffers, Progress, Source};
 
 /// Rows that a record holds at most, unless an interval was asked for.
 const ROWS: u64 = 20_000;
+/// Values that a record holds at most, whatever was asked for.
+const VALUES: u64 = 40_000_000;
 
 /// Runs `plan` on `source`. A run that leaves its range ends there and says so in the report.
 pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(RunReport, Trace), Failure> {
@@ -27,8 +29,9 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut buffers = HostBuffers::default();
     let mut simulator =
         buffers.simulator(&network, plan.settings).map_err(|error| refused(source, plan.settings, &error))?;
-    let every = plan.every_ticks.unwrap_or_else(|| plan.ticks.div_ceil(ROWS));
-    let mut trace = Trace::new(Column::all(&loaded.records), every);
+    let columns = Column::all(&loaded.records);
+    let every = interval(plan, columns.len() as u64)?;
+    let mut trace = Trace::new(columns, every);
     let mut snapshots = Vec::new();
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
@@ -48,6 +51,19 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     }
     progress.finish();
     Ok((RunReport::new(source, plan, snapshots, &simulator), trace))
+}
+
+/// Ticks between two rows of a record with `columns`.
+fn interval(plan: &Plan, columns: u64) -> Result<u64, Failure> {
+    let most = VALUES / columns.max(1);
+    match plan.every_ticks {
+        None => Ok(plan.ticks.div_ceil(most.clamp(1, ROWS)).max(1)),
+        Some(every) if plan.ticks / every <= most => Ok(every),
+        Some(every) => Err(Failure::BadInput(format!(
+            "--every gives {} rows of {columns} values, more than the {VALUES} values that a record holds",
+            plan.ticks / every
+        ))),
+    }
 }
 
 /// Moves the bar once in a while.

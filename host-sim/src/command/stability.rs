@@ -54,9 +54,13 @@ pub(super) fn run(args: &StabilityArgs, out: &mut dyn Write) -> Result<(), Failu
         files.push(folder.text(&format!("{name}_eigenvalues.svg"), &eigenvalues.svg())?);
         let radius = radius_figure(&[spectrum], &line.moving, remarks());
         files.push(folder.text(&format!("{name}_radius.svg"), &radius.svg())?);
-        if let Some(discs) = disc_figure(spectrum, &line.moving, remarks()) {
-            files.push(folder.text(&format!("{name}_discs.svg"), &discs.svg())?);
-        }
+        let mut about_discs = remarks();
+        about_discs.push(
+            "Discs of the balanced matrix. Inside the unit circle they prove stability; outside they".into(),
+        );
+        about_discs.push("prove nothing, and the eigenvalues themselves decide.".into());
+        let discs = disc_figure(spectrum, &line.moving, about_discs);
+        files.push(folder.text(&format!("{name}_discs.svg"), &discs.svg())?);
     }
     super::list_files(out, &files)
 }

@@ -1,6 +1,6 @@
 //! Eigenvalues as pictures.
 
-use super::{Spectrum, SweepPoint, worst};
+use super::{Spectrum, SweepPoint};
 use crate::Duration;
 use crate::plot::style::{self, BLACK, BLUE, VERMILION};
 use crate::plot::{Axis, ColourScale, Curve, Dash, Dots, Figure, Level, Mark, Note, Panel, Point};
@@ -41,7 +41,9 @@ fn circle(centre: f64, radius: f64) -> Vec<Point> {
 /// The complex plane with the unit circle.
 fn plane(title: &str, (from, to): (f64, f64)) -> Panel {
     let real = Axis::linear("real part [1]", from, to);
-    let mut panel = Panel::new(title, real, Axis::linear("imaginary part [1]", -1.0, 1.0));
+    // Wide enough for the whole unit circle where the range is.
+    let half = ((to - from) * 0.44).min(1.1);
+    let mut panel = Panel::new(title, real, Axis::linear("imaginary part [1]", -half, half));
     panel.equal_units = true;
     panel.curves.push(Curve::new("unit circle", BLACK, Dash::Solid, circle(0.0, 1.0)));
     panel
@@ -161,16 +163,17 @@ pub fn radius_figure(spectra: &[&Spectrum], moving: &Moving, remarks: Vec<String
     }
 }
 
-/// Gershgorin's discs without and with the operator, where the plain step is worst.
-pub fn disc_figure(spectrum: &Spectrum, moving: &Moving, remarks: Vec<String>) -> Option<Figure> {
-    let plain = worst(&spectrum.plain)?;
-    let at = |point: &&SweepPoint| (point.value - plain.value).abs() <= f64::EPSILON * plain.value.abs();
-    let ours = spectrum.stabilised.iter().find(at)?;
-    let panel = |title: &str, point: &SweepPoint| {
+/// Gershgorin's discs with the operator over the input's range.
+pub fn disc_figure(spectrum: &Spectrum, moving: &Moving, remarks: Vec<String>) -> Figure {
+    let points = &spectrum.stabilised;
+    let last = points.len().saturating_sub(1);
+    let chosen = [0, last / 6, last / 3, last].into_iter().filter_map(|index| points.get(index));
+    let panel = |point: &SweepPoint| {
         let left = point.discs.iter().map(|disc| disc.centre - disc.radius).fold(-1.0, f64::min);
         let right = point.discs.iter().map(|disc| disc.centre + disc.radius).fold(1.0, f64::max);
-        let room = (right - left) * 0.06;
-        let mut panel = plane(title, (left - room, right + room));
+        let room = (right - left) * 0.1;
+        let title = format!("{} at {}", moving.name, moving.show(point.value));
+        let mut panel = plane(&title, (left - room, right + room));
         for (index, disc) in point.discs.iter().enumerate() {
             let label = if index == 0 { "Gershgorin disc" } else { "" };
             panel.curves.push(Curve::new(label, BLUE, Dash::Dashed, circle(disc.centre, disc.radius)));
@@ -179,16 +182,12 @@ pub fn disc_figure(spectrum: &Spectrum, moving: &Moving, remarks: Vec<String>) -
         panel.dots.push(Dots { label: "eigenvalue".into(), mark: Mark::Cross, radius: 4.5, points });
         panel
     };
-    Some(Figure {
-        title: format!(
-            "Gershgorin discs of one explicit step of {}, {} at {}",
-            step_name(spectrum.step_us),
-            moving.name,
-            moving.show(plain.value)
-        ),
-        panels: vec![panel("without φ", plain), panel("with φ", ours)],
+    let step = step_name(spectrum.step_us);
+    Figure {
+        title: format!("Gershgorin discs of one explicit step of {step} with φ, against {}", moving.name),
+        panels: chosen.map(panel).collect(),
         columns: 2,
         panel_size: (520, 420),
         remarks,
-    })
+    }
 }

@@ -87,8 +87,12 @@ impl<'p> Frame<'p> {
         if panel.equal_units {
             let middle = f64::midpoint(window.bottom, window.top);
             let shape = (inner_bottom - inner_top) / (inner_right - inner_left);
-            let half = (window.right - window.left) * shape / 2.0;
-            (window.bottom, window.top) = (middle - half, middle + half);
+            let (wide, high) = ((window.right - window.left) / 2.0, (window.top - window.bottom) / 2.0);
+            // The given range is the least that is shown.
+            let high = high.max(wide * shape);
+            let (wide, across) = (high / shape, f64::midpoint(window.left, window.right));
+            (window.left, window.right) = (across - wide, across + wide);
+            (window.bottom, window.top) = (middle - high, middle + high);
             let axis = Axis { from: window.bottom, to: window.top, ..panel.y.clone() };
             y_ticks = axis_ticks(&axis, f64::from(height) / 40.0);
         }
@@ -147,7 +151,11 @@ impl<'p> Frame<'p> {
     }
 
     fn grid(&self, canvas: &Canvas<'_>) -> Option<()> {
-        for (value, label) in axis_ticks(&self.panel.x, (self.right - self.left) / 64.0) {
+        let mut x_axis = self.panel.x.clone();
+        if self.panel.equal_units {
+            (x_axis.from, x_axis.to) = (self.window.left, self.window.right);
+        }
+        for (value, label) in axis_ticks(&x_axis, (self.right - self.left) / 64.0) {
             let (x, y) = self.pixel((value, self.window.bottom));
             canvas.path(&[(x, y), (x, self.top)], GRID, 1.0)?;
             canvas.path(&[(x, y), (x, y + 4.0)], INK, 1.0)?;

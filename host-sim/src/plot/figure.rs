@@ -27,7 +27,7 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Whether one unit is as long upwards as sideways; the y range is then widened or cut around its middle.
+    /// Whether one unit is as long upwards as sideways; one of the ranges is then widened around its middle.
     pub equal_units: bool,
     /// Horizontal lines at fixed values.
     pub levels: Vec<Level>,

@@ -25,11 +25,13 @@ pub const GREEN: Colour = RGBColor(0, 158, 115);
 pub const ORANGE: Colour = RGBColor(230, 159, 0);
 /// Fifth curve.
 pub const PURPLE: Colour = RGBColor(204, 121, 167);
+/// Sixth curve.
+pub const SKY: Colour = RGBColor(86, 180, 233);
 /// Reference curves and limits.
 pub const BLACK: Colour = RGBColor(0, 0, 0);
 
 /// Curves without a colour of their own take these in turn.
-pub const CYCLE: [Colour; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
+pub const CYCLE: [Colour; 7] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK];
 
 /// Font family; the reader's own sans-serif.
 pub const FONT: &str = "sans-serif";

@@ -40,7 +40,7 @@ impl Plan {
         let settings = Settings { method: wishes.method.unwrap_or(defaults.method), step_us };
         let step = Duration::from_us(u64::from(step_us));
         let whole = |what: &str, time: Duration| {
-            if time.us() % step.us() == 0 {
+            if time.us().is_multiple_of(step.us()) {
                 Ok(time.us() / step.us())
             } else {
                 let text = format!("{what} {time} is not a whole number of steps of {step}");

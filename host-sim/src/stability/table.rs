@@ -17,8 +17,8 @@ pub fn write_stability(out: &mut dyn Write, line: &LineStability) -> io::Result<
     writeln!(out, "line `{}`, input `{}`, step {step}, ends held", line.line, line.moving.name)?;
     writeln!(
         out,
-        "  {:>9} {:>12} {:>10} {:>14} {:>10} {:>12} {:>12}  {}",
-        "value", "flow [g/s]", "φ", "ρ without φ", "ρ with φ", "Gershgorin", "live bound", "proof"
+        "  {:>9} {:>12} {:>10} {:>14} {:>10} {:>12} {:>12}  proof",
+        "value", "flow [g/s]", "φ", "ρ without φ", "ρ with φ", "Gershgorin", "live bound"
     )?;
     let every = spectrum.plain.len().div_ceil(ROWS).max(1);
     let last = spectrum.plain.len().saturating_sub(1);

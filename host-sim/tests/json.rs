@@ -1,0 +1,88 @@
+//! `eclss-rt run --json`: what other programs read.
+
+mod common;
+
+use common::Folder;
+use serde_json::Value;
+
+fn run(folder: &Folder, arguments: &[&str]) -> (i32, Value) {
+    let (code, out, err) = folder.say(arguments);
+    let value = serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}{err}"));
+    assert!(err.is_empty(), "{err}");
+    (code, value)
+}
+
+fn valve_g_s(snapshot: &Value) -> f64 {
+    snapshot["flows_kg_s"]["valve"].as_f64().unwrap() * 1e3
+}
+
+#[test]
+fn the_papers_flows_are_in_the_json() {
+    let folder = Folder::new("json_paper");
+    let (code, report) = run(&folder, &["run", "--at", "10s,20s,26s", "--json"]);
+    assert_eq!(code, 0);
+    assert_eq!(report["method"], "relaxation");
+    assert!((report["step_s"].as_f64().unwrap() - 0.001).abs() < 1e-12);
+    assert_eq!(report["diverged"], Value::Null);
+    let at = report["at"].as_array().unwrap();
+    for (snapshot, (time, flow, bar)) in
+        at.iter().zip([(10.0, 86.4784, 5e-4), (20.0, 4.0455, 5e-4), (26.0, 4.0593, 3e-4)])
+    {
+        assert!((snapshot["t_s"].as_f64().unwrap() - time).abs() < 1e-12);
+        assert!((valve_g_s(snapshot) - flow).abs() < bar, "{time} s: {}", valve_g_s(snapshot));
+        for id in ["loop", "intake", "fan", "fan_duct", "che", "supply", "valve"] {
+            assert!(snapshot["flows_kg_s"][id].is_number(), "{id}");
+        }
+        for id in ["cabin", "intake", "fan", "fan_duct", "che", "supply", "valve"] {
+            let absolute = snapshot["pressures_pa"][id].as_f64().unwrap();
+            let gauge = snapshot["gauge_pa"][id].as_f64().unwrap();
+            assert!((absolute - gauge - 101_325.0).abs() < 1e-4, "{id}");
+        }
+        let phi = snapshot["phi_min"].as_f64().unwrap();
+        assert!(phi > 0.0 && phi <= 1.0);
+        assert_eq!(snapshot["state_hash"].as_str().unwrap().len(), 16);
+        assert_eq!(snapshot["health"], "trusted");
+    }
+    assert_eq!(at.len(), 3);
+    assert_eq!(report["network_id"].as_str().unwrap().len(), 16);
+    // With --json nothing is written unless a folder is named.
+    assert!(!folder.path("results").exists());
+}
+
+#[test]
+fn the_same_run_gives_the_same_hash_and_another_step_another() {
+    let folder = Folder::new("json_hash");
+    let hash = |step: &str| {
+        let (_, report) = run(&folder, &["run", "--step", step, "--until", "1s", "--json"]);
+        report["end"]["state_hash"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(hash("1ms"), hash("1000us"));
+    assert_ne!(hash("1ms"), hash("10ms"));
+}
+
+#[test]
+fn a_diverged_run_is_reported_completely_and_fails() {
+    let folder = Folder::new("json_diverged");
+    for (step, bars) in [("1ms", 10.85..11.0), ("10ms", 10.7..11.0)] {
+        let arguments = ["run", "--method", "euler", "--step", step, "--at", "10s,20s", "--json"];
+        let (code, report) = run(&folder, &arguments);
+        assert_eq!(code, 1);
+        assert_eq!(report["at"].as_array().unwrap().len(), 1, "only what was reached");
+        assert_eq!(report["end"]["health"], "diverged");
+        let diverged = &report["diverged"];
+        assert!(bars.contains(&diverged["t_s"].as_f64().unwrap()), "{diverged}");
+        assert!(diverged["tick"].as_u64().unwrap() > 0);
+        assert_eq!((&diverged["id"], &diverged["element"]), (&"loop".into(), &"valve".into()));
+    }
+}
+
+#[test]
+fn every_method_comes_to_the_same_steady_flow() {
+    let folder = Folder::new("json_methods");
+    for method in ["relaxation", "adaptive", "implicit-euler", "tr-bdf2"] {
+        let (code, report) = run(&folder, &["run", "--method", method, "--at", "10s", "--json"]);
+        assert_eq!(code, 0, "{method}");
+        let flow = valve_g_s(&report["at"][0]);
+        assert!((flow - 86.4776).abs() < 2e-3, "{method}: {flow}");
+    }
+}
