@@ -21,10 +21,12 @@ impl Moving {
         format!("{} [{}]", self.name, self.unit)
     }
 
-    /// Writes a value with its unit.
+    /// Writes a value with its unit and about three digits.
     fn show(&self, value: f64) -> String {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        format!("{:.3}", value * self.factor).trim_end_matches('0').trim_end_matches('.').to_owned() + &unit
+        let value = value * self.factor;
+        let digits = if value.abs() < 10.0 { 3 } else { 1 };
+        format!("{value:.digits$}").trim_end_matches('0').trim_end_matches('.').to_owned() + &unit
     }
 }
 

@@ -142,6 +142,9 @@ impl Canvas<'_> {
 
     /// A text, vertically centred on its place.
     pub(super) fn text(&self, text: &str, at: (f64, f64), pen: Pen) -> Option<()> {
+        if text.is_empty() {
+            return Some(());
+        }
         let size = f64::from(pen.px * FINE) * FONT_FACTOR;
         let family = FontFamily::Name(FONT);
         let style = if pen.bold { FontStyle::Bold } else { FontStyle::Normal };
