@@ -11,7 +11,6 @@ fn on_all_boards(words: &[&str], check: impl Fn(&Run)) {
 }
 
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn ten_seconds_without_an_overrun() {
     on_all_boards(&["seconds=10"], |run| {
         run.line("overruns 0, 0 in start-up, 0 in a row, skipped 0");
@@ -22,7 +21,6 @@ fn ten_seconds_without_an_overrun() {
 }
 
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn two_runs_give_identical_logs() {
     for (machine, variable) in BOARDS {
         let [first, second] = [0, 1].map(|_| run(machine, variable, &["seconds=10"]));
@@ -33,7 +31,6 @@ fn two_runs_give_identical_logs() {
 
 /// Three slow ticks of 2.5 periods: each skips two releases, and afterwards all is as before.
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn a_short_overload_is_counted_and_skipped_over() {
     on_all_boards(&["seconds=1", "overload=200:3:2500"], |run| {
         assert_eq!(run.count("overran, 2 skipped"), 3);
@@ -44,7 +41,6 @@ fn a_short_overload_is_counted_and_skipped_over() {
 }
 
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn an_overload_during_start_up_is_told_apart() {
     on_all_boards(&["seconds=1", "overload=0:2:1500"], |run| {
         run.line("overruns 2, 2 in start-up, 2 in a row, skipped 2");
@@ -52,7 +48,6 @@ fn an_overload_during_start_up_is_told_apart() {
 }
 
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn a_long_overload_goes_safe_and_says_so() {
     on_all_boards(&["seconds=1", "overload=200:9:1500"], |run| {
         run.line("safe from tick 204: 5 overruns in a row");
@@ -63,7 +58,6 @@ fn a_long_overload_goes_safe_and_says_so() {
 
 /// Each way to die leads through a reset, after which the firmware knows why.
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn faults_are_reported_after_the_reset() {
     for (trap, report) in [
         ("panic", "reset: panic at line "),
@@ -80,7 +74,6 @@ fn faults_are_reported_after_the_reset() {
 
 /// A word that makes no sense must not pass for a quiet run.
 #[test]
-#[ignore = "needs firmware: run by `cargo xtask test`"]
 fn a_misspelt_request_is_refused() {
     on_all_boards(&["secnods=1"], |run| {
         run.line("cannot make sense of `secnods=1`");

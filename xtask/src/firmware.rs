@@ -3,7 +3,7 @@
 use crate::elf::Elf;
 use crate::process::{output, present, run};
 use crate::toolchain::{TARGET, Toolchain};
-use crate::{Outcome, project, setup};
+use crate::{Outcome, project, setup, test};
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -55,22 +55,28 @@ pub(crate) fn check() -> Outcome {
         if board.hosted || !toolchain.has_clippy() {
             continue;
         }
-        let mut clippy = cargo(&toolchain, "clippy", board)?;
-        run(clippy.args(["--", "-D", "warnings"]))?;
+        // The crates that it stands on are linted on the host.
+        let mut clippy = toolchain.clippy();
+        select(&mut clippy, board)?;
+        run(clippy.args(["--no-deps", "--", "-D", "warnings"]))?;
     }
-    if !toolchain.has_clippy() {
-        println!(
-            "note: {}, without clippy: the bare-metal files were compiled but not linted",
-            toolchain.describe()
-        );
+    if toolchain.has_clippy() {
+        return Ok(());
     }
+    let unlinted = format!("{}, without clippy: the bare-metal files were not linted", toolchain.describe());
+    if test::in_ci() {
+        return Err(unlinted);
+    }
+    println!("note: {unlinted}");
     Ok(())
 }
 
 /// Builds one board's firmware, prints its memory use and returns the ELF file.
 pub(crate) fn build(board: &Board) -> Outcome<PathBuf> {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
-    run(&mut cargo(&toolchain, "build", board)?)?;
+    let mut cargo = if board.hosted { Command::new("cargo") } else { toolchain.cargo() };
+    select(cargo.arg("build"), board)?;
+    run(&mut cargo)?;
     let folder =
         if board.hosted { project::output_folder()? } else { project::firmware_folder()?.join(TARGET) };
     let elf = folder.join("firmware").join(board.name);
@@ -86,15 +92,15 @@ pub(crate) fn ensure_set_up() -> Outcome {
     if setup::complete() { Ok(()) } else { setup::setup(&[]) }
 }
 
-fn cargo(toolchain: &Toolchain, verb: &str, board: &Board) -> Outcome<Command> {
-    let mut cargo = if board.hosted { Command::new("cargo") } else { toolchain.cargo() };
-    cargo.args([verb, "--package", "eclss-target", "--profile", "firmware"]);
+/// Adds what selects a board's firmware to a cargo command.
+fn select(cargo: &mut Command, board: &Board) -> Outcome {
+    cargo.args(["--package", "eclss-target", "--profile", "firmware"]);
     cargo.args(["--bin", board.name, "--features", board.name]);
     if !board.hosted {
         cargo.args(["--target", TARGET, "--target-dir"]).arg(project::firmware_folder()?);
     }
     cargo.current_dir(project::root());
-    Ok(cargo)
+    Ok(())
 }
 
 /// `cargo xtask flash`: builds the real board's firmware, flashes it and shows its log.

@@ -17,23 +17,41 @@ pub(crate) fn test(arguments: &[String]) -> Outcome {
 
 fn all(stages: &mut Stages) -> Outcome {
     stages.stage("format", || cargo(&["fmt", "--all", "--check"]))?;
-    stages.stage("lints", || on_host("clippy", &["--all-targets"], &["--", "-D", "warnings"]))?;
-    stages.stage("host tests", || on_host("test", &["--release"], &[]))?;
-    stages.stage("documentation", || on_host("doc", &["--no-deps"], &[]))?;
+    stages.stage("lints", lints)?;
+    stages.stage("host tests", host_tests)?;
+    stages.stage("documentation", documentation)?;
     stages.stage("setup", || setup::setup(&[]))?;
     stages.stage("firmware", firmware::check)?;
     stages.stage("boards in QEMU", qemu::test)
 }
 
-/// Runs a cargo command on all packages with all features. `eclss-target` comes apart from the others, because of
-/// its features only the one for computers can be built here.
-fn on_host(verb: &str, options: &[&str], rest: &[&str]) -> Outcome {
-    let most = ["--workspace", "--exclude", "eclss-target", "--all-features"];
-    let target = ["--package", "eclss-target", "--features", "rt-pc"];
-    for packages in [most.as_slice(), target.as_slice()] {
-        cargo(&[&[verb], options, packages, rest].concat())?;
-    }
-    Ok(())
+/// Whether this is a machine that decides about changes: there, what could not be checked counts as wrong.
+pub(crate) fn in_ci() -> bool {
+    std::env::var_os("CI").is_some_and(|value| value == "true")
+}
+
+/// Everything but the firmware application, of which only the board for computers can be built here.
+const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
+/// What the core offers to boards and files.
+const OPTIONS: &str = "eclss-core/serde,eclss-core/defmt";
+const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-pc"];
+
+fn lints() -> Outcome {
+    let strict = ["--", "-D", "warnings"];
+    // With the tests that need an emulator, which are compiled but not run by the host's stages.
+    let boards = ["--all-targets", "--features", "eclss-tests/qemu"];
+    cargo(&[&["clippy"], &MOST[..], &boards, &strict].concat())?;
+    cargo(&[&["clippy", "--all-targets"], &APPLICATION[..], &strict].concat())
+}
+
+fn host_tests() -> Outcome {
+    cargo(&[&["test", "--release"], &MOST[..]].concat())?;
+    cargo(&[&["test", "--release"], &APPLICATION[..]].concat())
+}
+
+fn documentation() -> Outcome {
+    cargo(&[&["doc", "--no-deps"], &MOST[..]].concat())?;
+    cargo(&[&["doc", "--no-deps"], &APPLICATION[..]].concat())
 }
 
 fn cargo(arguments: &[&str]) -> Outcome {

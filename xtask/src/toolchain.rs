@@ -1,7 +1,7 @@
 //! The compiler for Cortex-M: rustup's target where rustup can fetch it, else one built from Debian's packages.
 //!
 //! On machines that reach only their distribution's mirror and the crate registry, rustup has nothing to
-//! download from. Debian's `rustc-web`, `cargo-web` and `rust-web-src` hold a matching compiler and source:
+//! download from. Debian's `rustc-web`, `cargo-web` and `rust-web-src` hold a matching compiler and source, `rust-web-clippy` its lints:
 //! `core` and `alloc` are built once into a private sysroot, after which an ordinary stable `cargo build`
 //! works, with neither `-Z` flags nor nightly in the project.
 
@@ -16,9 +16,9 @@ use std::process::Command;
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 /// Name under which the Debian-made toolchain is linked into rustup.
 const LINKED: &str = "eclss-fw";
-const PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 /// Changed when the recipe below changes, so that older sysroots are rebuilt.
-const RECIPE: &str = "1";
+const RECIPE: &str = "2";
 
 /// A toolchain that can build the firmware.
 pub(crate) enum Toolchain {
@@ -47,9 +47,25 @@ impl Toolchain {
         cargo
     }
 
-    /// Whether clippy can lint for [`TARGET`]: Debian's compiler comes without one.
+    /// `cargo clippy` of this toolchain.
+    pub(crate) fn clippy(&self) -> Command {
+        let mut clippy = self.cargo();
+        if let Self::Private(sysroot) = self {
+            // Cargo looks for its subcommand beside itself first; the driver asks the compiler for a sysroot.
+            clippy = Command::new("/usr/bin/cargo-clippy");
+            clippy.env("CARGO", sysroot.join("bin/cargo")).env("SYSROOT", sysroot);
+            clippy.env("RUSTC", sysroot.join("bin/rustc")).env_remove("RUSTUP_TOOLCHAIN");
+        }
+        clippy.arg("clippy");
+        clippy
+    }
+
+    /// Whether [`Self::clippy`] is there.
     pub(crate) fn has_clippy(&self) -> bool {
-        matches!(self, Self::Active) && present("cargo-clippy")
+        match self {
+            Self::Active => present("cargo-clippy"),
+            Self::Private(_) => Path::new("/usr/bin/cargo-clippy").exists(),
+        }
     }
 
     /// One line for the user.
