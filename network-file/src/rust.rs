@@ -12,16 +12,18 @@ use crate::loaded::Loaded;
 impl Loaded {
     /// Returns Rust source with the network as `static` tables, to be included into a module of its own.
     ///
-    /// It offers `NETWORK`, `NETWORK_ID`, `NAME`, `METHOD`, `STEP_US`, `UNTIL_US`, the tables (`NODES`, `LINES`
-    /// and so on), `NODE_NAMES`, `LINE_NAMES`, `SEGMENT_NAMES`, `INPUT_NAMES`, and for every method the lengths
-    /// of its buffers as a constant (`RELAXATION` and so on) of type [`eclss_core::Sizes`]:
+    /// It offers `NETWORK`, `NETWORK_ID`, `NAME`, `METHOD`, `STEP_US`, `UNTIL_US`, `Configured` (the
+    /// description and the file's settings as an [`eclss_core::Compiled`]), the tables (`NODES`, `LINES` and so
+    /// on), `NODE_NAMES`, `LINE_NAMES`, `SEGMENT_NAMES`, `INPUT_NAMES`, and for every method the lengths of its
+    /// buffers as a constant (`RELAXATION` and so on, `BUFFERS` for the file's own) of type
+    /// [`eclss_core::Sizes`]:
     ///
     /// ```text
     /// #[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
     /// mod network {
     ///     include!(concat!(env!("OUT_DIR"), "/network.rs"));
     /// }
-    /// use network::RELAXATION as LENGTH;
+    /// use network::BUFFERS as LENGTH;
     /// let mut storage =
     ///     Storage::<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>::new();
     /// ```
@@ -33,7 +35,7 @@ impl Loaded {
              use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};\n\
              #[allow(unused_imports)] // nor schedules\n\
              use ::eclss_core::{\n    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
-             SchedulePoint, Segment, Sizes,\n    StdElement,\n};\n",
+             SchedulePoint, Segment, Settings,\n    Sizes, StdElement,\n};\n",
         );
         self.write_constants(&mut text);
         self.write_tables(&mut text);
@@ -55,6 +57,8 @@ impl Loaded {
             let upper = name.to_uppercase().replace('-', "_");
             constant(text, &format!("Buffers that `{name}` needs."), &upper, "Sizes", format!("{sizes:?}"));
         }
+        let own = format!("{:?}", run.method.sizes(&network));
+        constant(text, "Buffers that the method of the file needs.", "BUFFERS", "Sizes", own);
     }
 
     fn write_tables(&self, text: &mut String) {
@@ -109,15 +113,25 @@ impl Loaded {
     fn write_network(&self, text: &mut String) {
         let _ = write!(
             text,
-            "\n/// The description.\n\
-             pub static NETWORK: Network<'static> = Network {{\n    \
-                 reference_pa: {:?},\n    nodes: &NODES,\n    lines: &LINES,\n    segments: &SEGMENTS,\n    \
-                 active: &ACTIVE,\n    inputs: &INPUTS,\n    schedules: &SCHEDULES,\n    points: &POINTS,\n    \
-                 plan: Plan {{\n        \
-                     end_start: &PLAN_END_START,\n        ends: &PLAN_ENDS,\n        order: &PLAN_ORDER,\n        \
-                     row_start: &PLAN_ROW_START,\n        columns: &PLAN_COLUMNS,\n        \
-                     diagonal: &PLAN_DIAGONAL,\n        stamps: &PLAN_STAMPS,\n        row_of: &PLAN_ROW_OF,\n    \
-                 }},\n}};\n",
+            "\n/// The description with the method and step of the file, for a step specialised at compile time.\n\
+             #[derive(Debug, Clone, Copy)]\n\
+             pub struct Configured;\n\n\
+             impl ::eclss_core::Compiled for Configured {{\n    \
+                 type Element = StdElement;\n    \
+                 const NETWORK: Network<'static> = Network {{\n        \
+                     reference_pa: {:?},\n        nodes: &NODES,\n        lines: &LINES,\n        \
+                     segments: &SEGMENTS,\n        active: &ACTIVE,\n        inputs: &INPUTS,\n        \
+                     schedules: &SCHEDULES,\n        points: &POINTS,\n        \
+                     plan: Plan {{\n            \
+                         end_start: &PLAN_END_START,\n            ends: &PLAN_ENDS,\n            \
+                         order: &PLAN_ORDER,\n            row_start: &PLAN_ROW_START,\n            \
+                         columns: &PLAN_COLUMNS,\n            diagonal: &PLAN_DIAGONAL,\n            \
+                         stamps: &PLAN_STAMPS,\n            row_of: &PLAN_ROW_OF,\n        \
+                     }},\n    }};\n    \
+                 const SETTINGS: Settings = Settings {{ method: METHOD, step_us: STEP_US }};\n\
+             }}\n\n\
+             /// The description.\n\
+             pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;\n",
             self.reference_pa
         );
     }

@@ -4,8 +4,8 @@
 use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Sizes,
-    StdElement,
+    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
+    Sizes, StdElement,
 };
 
 /// Name of the network.
@@ -24,10 +24,22 @@ pub const STEP_US: u32 = 1000;
 pub const UNTIL_US: u64 = 26000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 24, work: 30, inputs: 2, cursors: 1 };
+pub const EULER: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 24, work: 30, inputs: 2, cursors: 1 };
+pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
+
+/// Buffers that `adaptive` needs.
+pub const ADAPTIVE: Sizes = Sizes { state: 10, work: 21, inputs: 6, cursors: 1 };
+
+/// Buffers that `implicit-euler` needs.
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 113, inputs: 6, cursors: 1 };
+
+/// Buffers that `tr-bdf2` needs.
+pub const TR_BDF2: Sizes = Sizes { state: 36, work: 113, inputs: 6, cursors: 1 };
+
+/// Buffers that the method of the file needs.
+pub const BUFFERS: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
 
 /// Nodes.
 pub static NODES: [Node; 1] = [
@@ -115,24 +127,34 @@ static PLAN_ROW_OF: [u32; 1] = [0];
 
 static PLAN_STAMPS: [[u32; 4]; 1] = [[0, 4294967295, 4294967295, 0]];
 
+/// The description with the method and step of the file, for a step specialised at compile time.
+#[derive(Debug, Clone, Copy)]
+pub struct Configured;
+
+impl ::eclss_core::Compiled for Configured {
+    type Element = StdElement;
+    const NETWORK: Network<'static> = Network {
+        reference_pa: 101325.0,
+        nodes: &NODES,
+        lines: &LINES,
+        segments: &SEGMENTS,
+        active: &ACTIVE,
+        inputs: &INPUTS,
+        schedules: &SCHEDULES,
+        points: &POINTS,
+        plan: Plan {
+            end_start: &PLAN_END_START,
+            ends: &PLAN_ENDS,
+            order: &PLAN_ORDER,
+            row_start: &PLAN_ROW_START,
+            columns: &PLAN_COLUMNS,
+            diagonal: &PLAN_DIAGONAL,
+            stamps: &PLAN_STAMPS,
+            row_of: &PLAN_ROW_OF,
+        },
+    };
+    const SETTINGS: Settings = Settings { method: METHOD, step_us: STEP_US };
+}
+
 /// The description.
-pub static NETWORK: Network<'static> = Network {
-    reference_pa: 101325.0,
-    nodes: &NODES,
-    lines: &LINES,
-    segments: &SEGMENTS,
-    active: &ACTIVE,
-    inputs: &INPUTS,
-    schedules: &SCHEDULES,
-    points: &POINTS,
-    plan: Plan {
-        end_start: &PLAN_END_START,
-        ends: &PLAN_ENDS,
-        order: &PLAN_ORDER,
-        row_start: &PLAN_ROW_START,
-        columns: &PLAN_COLUMNS,
-        diagonal: &PLAN_DIAGONAL,
-        stamps: &PLAN_STAMPS,
-        row_of: &PLAN_ROW_OF,
-    },
-};
+pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;

@@ -4,8 +4,8 @@
 use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Sizes,
-    StdElement,
+    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
+    Sizes, StdElement,
 };
 
 /// Name of the network.
@@ -24,10 +24,22 @@ pub const STEP_US: u32 = 500;
 pub const UNTIL_US: u64 = 90000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 66, work: 75, inputs: 4, cursors: 2 };
+pub const EULER: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 66, work: 75, inputs: 4, cursors: 2 };
+pub const RELAXATION: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
+
+/// Buffers that `adaptive` needs.
+pub const ADAPTIVE: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
+
+/// Buffers that `implicit-euler` needs.
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 191, inputs: 12, cursors: 2 };
+
+/// Buffers that `tr-bdf2` needs.
+pub const TR_BDF2: Sizes = Sizes { state: 84, work: 191, inputs: 12, cursors: 2 };
+
+/// Buffers that the method of the file needs.
+pub const BUFFERS: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
 
 /// Nodes.
 pub static NODES: [Node; 4] = [
@@ -145,24 +157,34 @@ static PLAN_ROW_OF: [u32; 4] = [0, 1, 4294967295, 4294967295];
 
 static PLAN_STAMPS: [[u32; 4]; 4] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3]];
 
+/// The description with the method and step of the file, for a step specialised at compile time.
+#[derive(Debug, Clone, Copy)]
+pub struct Configured;
+
+impl ::eclss_core::Compiled for Configured {
+    type Element = StdElement;
+    const NETWORK: Network<'static> = Network {
+        reference_pa: 100000.0,
+        nodes: &NODES,
+        lines: &LINES,
+        segments: &SEGMENTS,
+        active: &ACTIVE,
+        inputs: &INPUTS,
+        schedules: &SCHEDULES,
+        points: &POINTS,
+        plan: Plan {
+            end_start: &PLAN_END_START,
+            ends: &PLAN_ENDS,
+            order: &PLAN_ORDER,
+            row_start: &PLAN_ROW_START,
+            columns: &PLAN_COLUMNS,
+            diagonal: &PLAN_DIAGONAL,
+            stamps: &PLAN_STAMPS,
+            row_of: &PLAN_ROW_OF,
+        },
+    };
+    const SETTINGS: Settings = Settings { method: METHOD, step_us: STEP_US };
+}
+
 /// The description.
-pub static NETWORK: Network<'static> = Network {
-    reference_pa: 100000.0,
-    nodes: &NODES,
-    lines: &LINES,
-    segments: &SEGMENTS,
-    active: &ACTIVE,
-    inputs: &INPUTS,
-    schedules: &SCHEDULES,
-    points: &POINTS,
-    plan: Plan {
-        end_start: &PLAN_END_START,
-        ends: &PLAN_ENDS,
-        order: &PLAN_ORDER,
-        row_start: &PLAN_ROW_START,
-        columns: &PLAN_COLUMNS,
-        diagonal: &PLAN_DIAGONAL,
-        stamps: &PLAN_STAMPS,
-        row_of: &PLAN_ROW_OF,
-    },
-};
+pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;
