@@ -14,7 +14,7 @@
 //! were V/φ: that part of its storage is fictitious and booked as such. Volumes and inertances inside lines
 //! are not used.
 
-use super::common::{self, Common, Cut, LineSums};
+use super::common::{self, Common, Cut, LineState, NodeState};
 use crate::element::{Element, Law, Operating};
 use crate::operator::{self, Margin, Proof};
 use crate::simulator::{Fault, Place};
@@ -30,72 +30,46 @@ const SMALLEST_DRIVE_PA: f32 = 1e-9;
 /// How often a line whose law follows its flow is asked again within a step.
 const INNER_ITERATIONS: u32 = 3;
 
+/// Figures of a node: pressure [Pa gauge]; net transfer of this step and what its sum lost [kg]; ΣG
+/// [kg/(s·Pa)]; dp/dm [Pa/kg]; h·c/θ (times ΣG the node's stiffness over θ); pressure at the start [Pa gauge];
+/// φ of the last step.
+pub(crate) const NODE_FIGURES: usize = 8;
+type NodeFigures = [f32; NODE_FIGURES];
+
 /// ΣR and ΣL for forward flow, both for reverse flow, and Σf of a line.
 type Sums = [f32; 5];
 
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+/// Figures of a line: ΣR forward; Σf; smallest driving pressure at which its law is not linear [Pa], negative
+/// for a line that is not plain; then what only those need: ΣL forward, ΣR and ΣL reverse, ratio of inlet and of
+/// outlet flow to the line's flow, when forward.
+///
+/// A plain line drains nothing, has no linear loss and resists alike in both directions.
+type LineFigures = [f32; 8];
+
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines) = (network.nodes.len(), network.lines.len());
-    (Common::length(network) + lines, 4 * nodes + 16 * lines)
+    (Common::length(network), NODE_FIGURES * nodes + (8 + 5) * lines)
 }
 
 pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
     if step_us == 0 {
         return Err(MethodError::Step { longest_us: u32::MAX });
     }
-    Method::refuse_junctions(network)?;
-    network.plan.check_ends(network.nodes, network.lines).map_err(MethodError::Plan)
-}
-
-struct State<'s> {
-    common: Common<'s>,
-    flow: &'s mut [f32],
-}
-
-impl<'s> State<'s> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
-        let cut = &mut Cut(buffer);
-        Self { common: Common::cut(network, cut), flow: cut.take(network.lines.len()) }
-    }
+    Method::refuse_junctions(network)
 }
 
 struct Work<'w> {
-    /// Node pressures [Pa gauge].
-    pressure: &'w mut [f32],
-    /// dp/dm of every node [Pa/kg].
-    per_mass: &'w mut [f32],
-    /// h·c/θ of every node: times ΣG it is the node's stiffness over θ.
-    rate: &'w mut [f32],
-    /// φ of every node in the last step.
-    phi: &'w mut [f32],
-    /// Sums of every line.
-    sums: &'w mut [Sums],
-    /// The part of them that never changes.
+    nodes: &'w mut [NodeFigures],
+    lines: &'w mut [LineFigures],
+    /// The part of every line's sums that never changes.
     constant: &'w mut [Sums],
-    /// Ratio of inlet and of outlet flow to the line's flow, when forward.
-    ratio: &'w mut [[f32; 2]],
-    /// Transfer into the node [kg] and conductance [kg/(s·Pa)] at every end of every line.
-    ends: &'w mut [[f32; 2]],
 }
 
 impl<'w> Work<'w> {
     fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
-        let (nodes, lines) = (network.nodes.len(), network.lines.len());
         let cut = &mut Cut(buffer);
-        let (pressure, per_mass) = (cut.take(nodes), cut.take(nodes));
-        let (rate, phi) = (cut.take(nodes), cut.take(nodes));
-        let (sums, constant) = (cut.take_rows(lines), cut.take_rows(lines));
-        Self {
-            pressure,
-            per_mass,
-            rate,
-            phi,
-            sums,
-            constant,
-            ratio: cut.take_rows(lines),
-            ends: cut.take_rows(2 * lines),
-        }
+        let (nodes, lines) = (cut.take_rows(network.nodes.len()), cut.take_rows(network.lines.len()));
+        Self { nodes, lines, constant: cut.take_rows(network.lines.len()) }
     }
 }
 
@@ -109,21 +83,20 @@ pub(crate) fn start<E: Element>(
 ) {
     state.fill(0.0);
     work.fill(0.0);
-    let state = State::of(network, state);
+    let state = Common::cut(network, &mut Cut(state));
     let work = Work::of(network, work);
-    let nodes = work.pressure.iter_mut().zip(work.per_mass).zip(work.rate).zip(work.phi);
-    for (node, (((pressure, per_mass), rate), phi)) in network.nodes.iter().zip(nodes) {
-        *pressure = node.start_gauge_pa;
-        *per_mass = node.pressure_per_mass_pa_kg();
-        *rate = h * *per_mass / THETA;
-        *phi = 1.0;
+    for (node, figures) in network.nodes.iter().zip(work.nodes) {
+        let per_mass = node.pressure_per_mass_pa_kg();
+        let start = node.start_gauge_pa;
+        *figures = [start, 0.0, 0.0, 0.0, per_mass, h * per_mass / THETA, start, 1.0];
     }
-    let lines = state.flow.iter_mut().zip(work.constant).zip(work.sums).zip(work.ratio);
-    for (line, (((flow, constant), sums), [inlet, outlet])) in network.lines.iter().zip(lines) {
+    let lines = state.lines.iter_mut().zip(work.constant).zip(work.lines);
+    for (line, (([flow, ..], constant), figures)) in network.lines.iter().zip(lines) {
         *flow = line.start_flow_kg_s;
-        *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
+        let mut inlet = 1.0;
+        let outlet = common::flow_ratios(network, line, |index, segment, ratio| {
             if index == 0 {
-                *inlet = ratio;
+                inlet = ratio;
             }
             if !segment.element.is_active() {
                 let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
@@ -131,7 +104,9 @@ pub(crate) fn start<E: Element>(
                 add(constant, &law, ratio);
             }
         });
-        *sums = *constant;
+        let smallest = math::larger(line.laminar_below_pa, SMALLEST_DRIVE_PA);
+        *figures = [0.0, 0.0, smallest, 0.0, 0.0, 0.0, inlet, outlet];
+        set_sums(figures, constant);
     }
 }
 
@@ -155,54 +130,69 @@ pub(crate) fn step<E: Element>(
     work: &mut [f32],
     inputs: &[f32],
 ) -> (Margin, Option<Place>) {
-    let (mut state, mut work) = (State::of(network, state), Work::of(network, work));
-    refresh(network, inputs, state.flow, &mut work);
-    iterate(network, inputs, state.flow, &mut work);
-    let lines =
-        state.flow.iter_mut().zip(state.common.sums.iter_mut()).zip(work.sums.iter().zip(work.ratio.iter()));
-    let lines = network.lines.iter().zip(lines).zip(work.ends.as_chunks_mut::<2>().0);
-    let mut runaway = 0.0f32;
-    for ((line, ((flow, ledger), (sums, ratio))), ends) in lines {
-        let (w, conductance) = flow_of(line, sums, work.pressure);
-        *flow = w;
-        pass(h, w, conductance, ratio, ledger, ends);
-        runaway = math::larger(runaway, if math::beyond(w, Fault::FLOW_LIMIT_KG_S) { 1.0 } else { 0.0 });
+    let state = Common::cut(network, &mut Cut(state));
+    let work = &mut Work::of(network, work);
+    if !network.active.is_empty() {
+        refresh(network, inputs, state.lines, work);
+        iterate(network, inputs, state.lines, work);
     }
-    let (phi, place) = step_nodes(network, &mut state.common, &mut work);
-    let line = (runaway > 0.0).then(|| first_runaway(state.flow)).flatten();
-    (Margin { phi, spectral_bound: 1.0, proof: Proof::Dominant }, line.or(place))
+    step_lines(h, network.lines, work.lines, work.nodes, state.lines);
+    let (phi, square) = step_nodes(state.nodes, work.nodes);
+    // One sum tells whether anything may be wrong; only then is it looked for.
+    let limit = Fault::GAUGE_LIMIT_PA * Fault::GAUGE_LIMIT_PA;
+    let place = if square < limit { None } else { first_outside(state.lines, work.nodes) };
+    (Margin { phi, spectral_bound: 1.0, proof: Proof::Dominant }, place)
+}
+
+/// Sums of a line in the order in which laws are added to them.
+fn sums_of(figures: &LineFigures) -> Sums {
+    let &[forward, head, _, forward_linear, reverse, reverse_linear, _, _] = figures;
+    [forward, forward_linear, reverse, reverse_linear, head]
+}
+
+/// Puts sums into a line's figures and marks whether it is plain.
+fn set_sums(figures: &mut LineFigures, sums: &Sums) {
+    let [forward, forward_linear, reverse, reverse_linear, head] = *sums;
+    let &mut [_, _, smallest, _, _, _, inlet, outlet] = figures;
+    let alike = (forward - reverse).abs() <= 0.0 && forward_linear + reverse_linear <= 0.0;
+    let plain = alike && inlet <= outlet;
+    let smallest = if plain { smallest.abs() } else { -smallest.abs() };
+    *figures = [forward, head, smallest, forward_linear, reverse, reverse_linear, inlet, outlet];
 }
 
 /// Evaluates the laws that may have changed, at the flows of the last step.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], flow: &[f32], work: &mut Work<'_>) {
+fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], states: &[LineState], work: &mut Work<'_>) {
     for active in network.active {
         let line = active.line as usize;
-        if let (Some(sums), Some(constant)) = (work.sums.get_mut(line), work.constant.get(line)) {
-            *sums = *constant;
+        if let (Some(figures), Some(constant)) = (work.lines.get_mut(line), work.constant.get(line)) {
+            set_sums(figures, constant);
         }
     }
     for active in network.active {
         let line = active.line as usize;
-        let (Some(segment), Some(description), Some(&w), Some(sums)) = (
+        let (Some(segment), Some(description), Some(&[w, ..]), Some(figures)) = (
             network.segments.get(active.segment as usize),
             network.lines.get(line),
-            flow.get(line),
-            work.sums.get_mut(line),
+            states.get(line),
+            work.lines.get_mut(line),
         ) else {
             continue;
         };
         let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-        let ratio = ratio_at(network, description, active.segment, work.ratio.get(line));
+        let ratio = ratio_at(network, description, active.segment, figures);
         let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
-        add(sums, &segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 }), ratio);
+        let law = segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 });
+        let mut sums = sums_of(figures);
+        add(&mut sums, &law, ratio);
+        set_sums(figures, &sums);
     }
 }
 
 /// Ratio of the flow at a segment to the line's flow; 1 wherever the line drains nothing.
-fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, ends: Option<&[f32; 2]>) -> f32 {
-    let Some(&[inlet, outlet]) = ends else { return 1.0 };
+fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, figures: &LineFigures) -> f32 {
+    let [.., inlet, outlet] = *figures;
     if inlet <= outlet {
         return 1.0;
     }
@@ -218,7 +208,12 @@ fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, end
 /// step does not depend on how far this has converged: G is always w/y of the flow that is used.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn iterate<E: Element>(network: &Network<'_, E>, inputs: &[f32], flow: &mut [f32], work: &mut Work<'_>) {
+fn iterate<E: Element>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+    states: &mut [LineState],
+    work: &mut Work<'_>,
+) {
     if !network.active.iter().any(|active| follows_flow(network, active.segment)) {
         return;
     }
@@ -228,13 +223,15 @@ fn iterate<E: Element>(network: &Network<'_, E>, inputs: &[f32], flow: &mut [f32
                 continue;
             }
             let line = active.line as usize;
-            if let (Some(description), Some(w), Some(sums)) =
-                (network.lines.get(line), flow.get_mut(line), work.sums.get(line))
+            if let (Some(description), Some([w, ..]), Some(figures)) =
+                (network.lines.get(line), states.get_mut(line), work.lines.get(line))
             {
-                (*w, _) = flow_of(description, sums, work.pressure);
+                let pressure =
+                    |node: u32| work.nodes.get(node as usize).map_or(0.0, |[pressure, ..]| *pressure);
+                (*w, _) = flow_of(pressure(description.from) - pressure(description.to), figures);
             }
         }
-        refresh(network, inputs, flow, work);
+        refresh(network, inputs, states, work);
     }
 }
 
@@ -242,78 +239,101 @@ fn follows_flow<E: Element>(network: &Network<'_, E>, segment: u32) -> bool {
     network.segments.get(segment as usize).is_some_and(|segment| segment.element.follows_flow())
 }
 
-/// Flow [kg/s] and secant conductance [kg/(s·Pa)] of a line between its nodes' pressures.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-fn flow_of(
-    line: &Line,
-    &[forward, forward_linear, reverse, reverse_linear, head]: &Sums,
-    pressure: &[f32],
-) -> (f32, f32) {
-    let (Some(from), Some(to)) = (pressure.get(line.from as usize), pressure.get(line.to as usize)) else {
-        return (0.0, 0.0);
-    };
-    let y = (from - to) + head;
+/// Flow [kg/s] and secant conductance [kg/(s·Pa)] of any line over the pressure difference of its nodes [Pa].
+fn flow_of(difference: f32, figures: &LineFigures) -> (f32, f32) {
+    let &[forward, head, smallest, forward_linear, reverse, reverse_linear, _, _] = figures;
+    let y = difference + head;
     let (quadratic, linear) = if y > 0.0 { (forward, forward_linear) } else { (reverse, reverse_linear) };
-    let drive = math::larger(math::larger(y.abs(), line.laminar_below_pa), SMALLEST_DRIVE_PA);
+    let drive = math::larger(y.abs(), smallest.abs());
     let conductance = 2.0 / (linear + math::sqrt(linear * linear + 4.0 * (quadratic * drive)));
     (y * conductance, conductance)
 }
 
-/// Turns a line's flow into transfers, books them and puts them at the line's ends.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-fn pass(h: f32, w: f32, conductance: f32, ratio: &[f32; 2], ledger: &mut LineSums, ends: &mut [[f32; 2]; 2]) {
-    let [inlet, outlet] = if w > 0.0 { *ratio } else { [1.0, 1.0] };
-    let passed = h * w;
-    let (taken, given) = (inlet * passed, outlet * passed);
-    common::book(ledger, given, taken - given);
-    *ends = [[-taken, inlet * conductance], [given, outlet * conductance]];
-}
-
-/// Moves every node by its transfers. Returns the smallest φ and the first node out of range.
+/// Steps lines between pressures that do not move meanwhile, books them, and adds their transfers and
+/// conductances to the nodes at their ends. A node's terms are added in the order of the lines.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn step_nodes<E: Element>(
-    network: &Network<'_, E>,
-    common: &mut Common<'_>,
-    work: &mut Work<'_>,
-) -> (f32, Option<Place>) {
-    let mut smallest = 1.0f32;
-    let mut place = None;
-    let nodes = common.mass.iter_mut().zip(common.fictitious.iter_mut());
-    let nodes = nodes.zip(work.pressure.iter_mut().zip(work.phi.iter_mut()));
-    let nodes = nodes.zip(work.per_mass.iter().zip(work.rate.iter()));
-    let nodes = nodes.zip(network.plan.end_start.array_windows());
-    for (
-        (((([mass, carry], [owed, owed_carry]), (pressure, phi)), (per_mass, rate)), &[first, past]),
-        (index, node),
-    ) in nodes.zip((0u32..).zip(network.nodes))
-    {
-        let (mut net, mut lost, mut conductance) = (0.0, 0.0, 0.0);
-        for &end in network.plan.ends.get(first as usize..past as usize).unwrap_or(&[]) {
-            if let Some([transfer, end_conductance]) = work.ends.get(end as usize) {
-                math::compensated_add(&mut net, &mut lost, *transfer);
-                conductance += end_conductance;
-            }
+fn step_lines(
+    h: f32,
+    lines: &[Line],
+    figures: &[LineFigures],
+    nodes: &mut [NodeFigures],
+    states: &mut [LineState],
+) {
+    for ((line, figures), state) in lines.iter().zip(figures).zip(states) {
+        let (from, to) = (line.from as usize, line.to as usize);
+        let (Some(&[p_from, ..]), Some(&[p_to, ..])) = (nodes.get(from), nodes.get(to)) else { continue };
+        let &[resistance, head, smallest, ..] = figures;
+        if smallest < 0.0 {
+            let [taken, given] = step_special(h, p_from - p_to, figures, state);
+            arrive(nodes, from, taken);
+            arrive(nodes, to, given);
+            continue;
         }
-        *phi = operator::phi(rate * conductance);
-        let stored = *phi * net;
-        *carry += *phi * lost;
-        math::compensated_add(mass, carry, stored);
-        math::compensated_add(owed, owed_carry, net - stored);
-        *pressure = node.start_gauge_pa + per_mass * *mass;
-        smallest = if *phi < smallest { *phi } else { smallest };
-        if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
-            place = place.or(Some(Place::Node(index)));
-        }
+        let y = (p_from - p_to) + head;
+        let conductance = 1.0 / math::sqrt(resistance * math::larger(y.abs(), smallest));
+        let w = y * conductance;
+        let passed = h * w;
+        let [flow, _, given_sum, given_carry, ..] = state;
+        *flow = w;
+        math::compensated_add(given_sum, given_carry, passed);
+        arrive(nodes, from, [-passed, conductance]);
+        arrive(nodes, to, [passed, conductance]);
     }
-    (smallest, place)
 }
 
-/// Names the line; only asked for when there is one.
+/// The same for a line that is not plain. Returns transfer and conductance at both ends.
+#[inline(never)]
+fn step_special(h: f32, difference: f32, figures: &LineFigures, state: &mut LineState) -> [[f32; 2]; 2] {
+    let (w, conductance) = flow_of(difference, figures);
+    let &[.., inlet, outlet] = figures;
+    let [inlet, outlet] = if w > 0.0 { [inlet, outlet] } else { [1.0, 1.0] };
+    let passed = h * w;
+    let (taken, given) = (inlet * passed, outlet * passed);
+    state[0] = w;
+    common::book(state, given, taken - given);
+    [[-taken, inlet * conductance], [given, outlet * conductance]]
+}
+
+/// Adds one end of a line to its node.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
+fn arrive(nodes: &mut [NodeFigures], node: usize, [transfer, conductance]: [f32; 2]) {
+    if let Some([_, net, lost, sum, ..]) = nodes.get_mut(node) {
+        math::compensated_add(net, lost, transfer);
+        *sum += conductance;
+    }
+}
+
+/// Moves nodes by what arrived at them and clears it. Returns the smallest φ and Σp², which is not a small
+/// number when any pressure is not.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn step_nodes(states: &mut [NodeState], figures: &mut [NodeFigures]) -> (f32, f32) {
+    let (mut smallest, mut square) = (1.0f32, 0.0f32);
+    for (state, figures) in states.iter_mut().zip(figures) {
+        let [mass, carry, owed, owed_carry] = state;
+        let [pressure, net, lost, conductance, per_mass, rate, start, slowed] = figures;
+        let phi = operator::phi(*rate * *conductance);
+        let stored = phi * *net;
+        *carry += phi * *lost;
+        math::compensated_add(mass, carry, stored);
+        if phi < 1.0 {
+            math::compensated_add(owed, owed_carry, *net - stored);
+            smallest = if phi < smallest { phi } else { smallest };
+        }
+        *slowed = phi;
+        (*net, *lost, *conductance) = (0.0, 0.0, 0.0);
+        *pressure = *start + *per_mass * *mass;
+        square += *pressure * *pressure;
+    }
+    (smallest, square)
+}
+
+/// Names what left its range; only asked for when something did.
 #[cold]
-fn first_runaway(flows: &[f32]) -> Option<Place> {
-    let index = flows.iter().position(|flow| math::beyond(*flow, Fault::FLOW_LIMIT_KG_S))?;
-    Some(Place::Line(index as u32))
+fn first_outside(lines: &[LineState], nodes: &[NodeFigures]) -> Option<Place> {
+    let line = lines.iter().position(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S));
+    let node = || nodes.iter().position(|[pressure, ..]| math::beyond(*pressure, Fault::GAUGE_LIMIT_PA));
+    line.map(|index| Place::Line(index as u32)).or_else(|| node().map(|index| Place::Node(index as u32)))
 }

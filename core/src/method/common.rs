@@ -26,29 +26,29 @@ impl<'b> Cut<'b> {
     }
 }
 
-/// Sums that a line keeps: given to its outlet node, drained; each with its carry. What it took from its inlet
-/// node is their sum, and what its own volumes hold.
-pub(crate) type LineSums = [f32; 4];
+/// State of a node: mass as deviation from the start and its carry [kg]; mass that a slowed node owes to its
+/// flows and its carry [kg].
+pub(crate) type NodeState = [f32; 4];
+
+/// State of a line: flow and its carry [kg/s], where the method keeps one flow a line; sums of what it gave to
+/// its outlet node and of what it drained, each with its carry [kg]. What it took from its inlet node is their
+/// sum and what its own volumes hold.
+pub(crate) type LineState = [f32; 6];
 
 /// The part of the state that all methods share; it stands at the buffer's beginning.
 pub(crate) struct Common<'s> {
-    /// Mass of every node as deviation from the start, and its carry [kg].
-    pub(crate) mass: &'s mut [[f32; 2]],
-    /// Mass that a slowed node owes to its flows, and its carry [kg].
-    pub(crate) fictitious: &'s mut [[f32; 2]],
-    /// Ledger of every line [kg].
-    pub(crate) sums: &'s mut [LineSums],
+    pub(crate) nodes: &'s mut [NodeState],
+    pub(crate) lines: &'s mut [LineState],
 }
 
 impl<'s> Common<'s> {
     pub(crate) fn length<E>(network: &Network<'_, E>) -> usize {
-        4 * network.nodes.len() + 4 * network.lines.len()
+        4 * network.nodes.len() + 6 * network.lines.len()
     }
 
     pub(crate) fn cut<E>(network: &Network<'_, E>, cut: &mut Cut<'s>) -> Self {
-        let nodes = network.nodes.len();
-        let (mass, fictitious) = (cut.take_rows(nodes), cut.take_rows(nodes));
-        Self { mass, fictitious, sums: cut.take_rows(network.lines.len()) }
+        let nodes = cut.take_rows(network.nodes.len());
+        Self { nodes, lines: cut.take_rows(network.lines.len()) }
     }
 }
 
@@ -67,21 +67,21 @@ pub(crate) fn transfer(
 ) {
     if line.from == line.to {
         // Exact: the two differ by less than a factor of two.
-        add_mass(common.mass, line.from as usize, given - taken);
+        add_mass(common.nodes, line.from as usize, given - taken);
     } else {
-        add_mass(common.mass, line.from as usize, -taken);
-        add_mass(common.mass, line.to as usize, given);
+        add_mass(common.nodes, line.from as usize, -taken);
+        add_mass(common.nodes, line.to as usize, given);
     }
-    if let Some(sums) = common.sums.get_mut(index) {
-        book(sums, given, drained);
+    if let Some(state) = common.lines.get_mut(index) {
+        book(state, given, drained);
     }
 }
 
 /// Books what a line gave and drained [kg].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-pub(crate) fn book(sums: &mut LineSums, given: f32, drained: f32) {
-    let [given_sum, given_carry, drained_sum, drained_carry] = sums;
+pub(crate) fn book(state: &mut LineState, given: f32, drained: f32) {
+    let [_, _, given_sum, given_carry, drained_sum, drained_carry] = state;
     math::compensated_add(given_sum, given_carry, given);
     math::compensated_add(drained_sum, drained_carry, drained);
 }
@@ -89,8 +89,8 @@ pub(crate) fn book(sums: &mut LineSums, given: f32, drained: f32) {
 /// Adds one transfer to a node's mass.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-pub(crate) fn add_mass(masses: &mut [[f32; 2]], node: usize, transfer: f32) {
-    if let Some([mass, carry]) = masses.get_mut(node) {
+fn add_mass(nodes: &mut [NodeState], node: usize, transfer: f32) {
+    if let Some([mass, carry, ..]) = nodes.get_mut(node) {
         math::compensated_add(mass, carry, transfer);
     }
 }

@@ -532,8 +532,8 @@ fn commit_nodes<E: Element>(
 ) -> Option<Place> {
     let mut place = None;
     let nodes = work.pressure.iter_mut().zip(work.per_mass.iter()).zip(work.node_delta.iter());
-    let nodes = nodes.zip(state.common.mass.iter()).zip(state.junction.iter_mut());
-    for ((index, node), ((((pressure, per_mass), delta), [mass, _]), [junction, carry])) in
+    let nodes = nodes.zip(state.common.nodes.iter()).zip(state.junction.iter_mut());
+    for ((index, node), ((((pressure, per_mass), delta), [mass, ..]), [junction, carry])) in
         (0u32..).zip(network.nodes).zip(nodes)
     {
         *pressure = if node.kind == NodeKind::Junction {

@@ -3,6 +3,7 @@
 //! Every method keeps the nodes' gauge pressures at the beginning of its work buffer and the shared part at
 //! the beginning of its state.
 
+use super::adaptive;
 use super::common::{self, Common};
 use crate::element::{Element, Operating};
 use crate::{Line, Method, Network, math};
@@ -24,8 +25,9 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Gauge pressure of a node [Pa].
     pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
+        let stride = if self.method == Method::Adaptive { adaptive::NODE_FIGURES } else { 1 };
         if node < self.network.nodes.len() {
-            self.work.get(node).copied().unwrap_or(f32::NAN)
+            self.work.get(stride * node).copied().unwrap_or(f32::NAN)
         } else {
             f32::NAN
         }
@@ -48,7 +50,7 @@ impl<E: Element> Observer<'_, '_, E> {
         if self.is_implicit() {
             self.own_state((description.first_segment + description.flow_segment) as usize).0
         } else {
-            self.state_at(Common::length(self.network) + line)
+            self.state_at(4 * self.network.nodes.len() + 6 * line)
         }
     }
 
@@ -92,7 +94,7 @@ impl<E: Element> Observer<'_, '_, E> {
         }
         let relaxes = matches!(self.method, Method::Euler | Method::Relaxation);
         if relaxes && segment < first + description.flow_segment as usize {
-            let gauges = Common::length(self.network) + 2 * self.network.lines.len();
+            let gauges = Common::length(self.network);
             return self.node_gauge_pa(description.from as usize) + self.state_at(gauges + segment);
         }
         let laminar = self.laminar_flow_kg_s(line, description);
@@ -132,17 +134,17 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Mass of a node as deviation from the start [kg].
     pub(crate) fn node_mass_kg(&self, node: usize) -> f64 {
-        self.sum_at(2 * node)
+        self.sum_at(4 * node)
     }
 
     /// Mass that a slowed node owes to its flows [kg].
     pub(crate) fn fictitious_kg(&self, node: usize) -> f64 {
-        self.sum_at(2 * (self.network.nodes.len() + node))
+        self.sum_at(4 * node + 2)
     }
 
     /// Taken, given and drained by a line since the start [kg].
     pub(crate) fn line_sums_kg(&self, line: usize) -> [f64; 3] {
-        let first = 4 * self.network.nodes.len() + 4 * line;
+        let first = 4 * self.network.nodes.len() + 6 * line + 2;
         let (given, drained) = (self.sum_at(first), self.sum_at(first + 2));
         [given + drained + self.held_kg(line), given, drained]
     }

@@ -32,7 +32,7 @@ const SMALLEST_FLOW: f32 = 1e-6;
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-    (Common::length(network) + 2 * (lines + segments), 2 * nodes + LINE_FIGURES * lines + 4 * segments)
+    (Common::length(network) + 2 * segments, 2 * nodes + LINE_FIGURES * lines + 4 * segments)
 }
 
 pub(crate) fn check<E: Element>(
@@ -58,19 +58,16 @@ pub(crate) fn check<E: Element>(
 /// The state buffer by name.
 struct State<'s> {
     common: Common<'s>,
-    flow: &'s mut [f32],
-    flow_carry: &'s mut [f32],
     gauge: &'s mut [f32],
     gauge_carry: &'s mut [f32],
 }
 
 impl<'s> State<'s> {
     fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
-        let (lines, segments) = (network.lines.len(), network.segments.len());
+        let segments = network.segments.len();
         let cut = &mut Cut(buffer);
         let common = Common::cut(network, cut);
-        let (flow, flow_carry) = (cut.take(lines), cut.take(lines));
-        Self { common, flow, flow_carry, gauge: cut.take(segments), gauge_carry: cut.take(segments) }
+        Self { common, gauge: cut.take(segments), gauge_carry: cut.take(segments) }
     }
 }
 
@@ -118,7 +115,7 @@ pub(crate) fn start<E: Element>(
         *pressure = node.start_gauge_pa;
         *per_mass = node.pressure_per_mass_pa_kg();
     }
-    for ((line, flow), figures) in network.lines.iter().zip(state.flow).zip(work.lines) {
+    for ((line, [flow, ..]), figures) in network.lines.iter().zip(state.common.lines).zip(work.lines) {
         *flow = line.start_flow_kg_s;
         let [rows_sum, _, fold, fold_plain, _, _, fold_head, _, inlet, outlet] = figures;
         *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
@@ -173,12 +170,17 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let mut place = None;
     for (index, line) in (0u32..).zip(network.lines) {
         margin = margin.with(step_line(index as usize, line, h, stabilised, &mut state, &mut work));
-        if state.flow.get(index as usize).is_none_or(|flow| math::beyond(*flow, Fault::FLOW_LIMIT_KG_S)) {
+        if state
+            .common
+            .lines
+            .get(index as usize)
+            .is_none_or(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S))
+        {
             place = place.or(Some(Place::Line(index)));
         }
     }
-    let nodes = state.common.mass.iter().zip(work.pressure).zip(work.per_mass);
-    for ((([mass, _], pressure), per_mass), (index, node)) in nodes.zip((0u32..).zip(network.nodes)) {
+    let nodes = state.common.nodes.iter().zip(work.pressure).zip(work.per_mass);
+    for ((([mass, ..], pressure), per_mass), (index, node)) in nodes.zip((0u32..).zip(network.nodes)) {
         *pressure = node.start_gauge_pa + *per_mass * *mass;
         if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
             place = place.or(Some(Place::Node(index)));
@@ -229,9 +231,9 @@ fn refresh_one<E: Element>(
     state: &State<'_>,
     work: &mut Work<'_>,
 ) {
-    let (Some(figures), Some(&w), Some(resistance), Some(head), Some(&own)) = (
+    let (Some(figures), Some(&[w, ..]), Some(resistance), Some(head), Some(&own)) = (
         work.lines.get_mut(index),
-        state.flow.get(index),
+        state.common.lines.get(index),
         work.resistance.get_mut(place),
         work.head.get_mut(place),
         work.ratio.get(place),
@@ -271,10 +273,9 @@ fn step_line(
     let (from, to) = (line.from as usize, line.to as usize);
     let first = line.first_segment as usize;
     let rows = first..first + line.flow_segment as usize;
-    let (Some(figures), Some(flow), Some(flow_carry), Some(&p_from), Some(&p_to)) = (
+    let (Some(figures), Some([flow, flow_carry, ..]), Some(&p_from), Some(&p_to)) = (
         work.lines.get(index),
-        state.flow.get_mut(index),
-        state.flow_carry.get_mut(index),
+        state.common.lines.get_mut(index),
         work.pressure.get(from),
         work.pressure.get(to),
     ) else {
