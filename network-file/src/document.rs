@@ -70,6 +70,8 @@ pub enum NodeEntryKind {
         /// Free gas volume [m³].
         volume_m3: f64,
     },
+    /// A point without volume where lines meet.
+    Junction,
     /// Held at its start pressure whatever flows.
     Boundary,
 }

@@ -8,7 +8,8 @@ use eclss_core::{StdElement, air};
 
 use crate::document::{Curve, ElementEntry, ElementKind, Loss};
 use crate::limits::{self, Range};
-use crate::table::{Notes, single};
+use crate::notes::Notes;
+use crate::number::single;
 
 /// One element while it is converted.
 pub(crate) struct Conversion<'a> {
@@ -160,8 +161,7 @@ impl Conversion<'_> {
         match single(value) {
             Some(rounded) if range.values.contains(&value) => rounded,
             _ => {
-                let (from, to, unit) = (range.values.start(), range.values.end(), range.unit);
-                self.refuse(key, format!("`{key}` comes out as {value:e} {unit}, outside {from} … {to}"));
+                self.refuse(key, format!("`{key}` comes out as {value:e}, outside {range}"));
                 1.0
             }
         }

@@ -21,7 +21,7 @@ const OPENINGS: [f32; 8] = [1.0, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.0];
 /// Steps that are looked at, up to the longest of the method [s].
 const STEPS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 /// Points on the half circle, spaced by a factor in angle.
-const POINTS: i32 = 600;
+const POINTS: i32 = 120;
 
 /// Loss R·w² + L·w − head of one element.
 #[derive(Debug, Clone, Copy, Default)]
@@ -177,8 +177,9 @@ fn turns_once(rows: &[f64], own: f64, step: f64) -> bool {
     for point in 0..=POINTS {
         let next =
             if point == POINTS { core::f64::consts::PI } else { start * libm::pow(factor, f64::from(point)) };
-        turned += turn(&value, (angle, last), (next, value(next)), 12);
-        (angle, last) = (next, value(next));
+        let here = value(next);
+        turned += turn(&value, (angle, last), (next, here), 12);
+        (angle, last) = (next, here);
     }
     // Half the circle is half a turn; the other half mirrors it.
     (turned - core::f64::consts::PI).abs() < 1.0

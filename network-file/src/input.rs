@@ -1,10 +1,12 @@
 //! Inputs and the schedules that drive them.
 
+use std::collections::{HashMap, HashSet};
+
 use eclss_core::{Element, InputSpec, Interpolation, Schedule, SchedulePoint, StdElement};
 
 use crate::document::{ElementEntry, ElementKind, NetworkFile};
 use crate::limits;
-use crate::table::Notes;
+use crate::notes::Notes;
 
 /// One input slot while a file is converted.
 #[derive(Debug)]
@@ -55,16 +57,19 @@ pub(crate) fn drive(file: &NetworkFile, slots: &[Slot], notes: &mut Notes) -> Dr
         );
         return driven;
     }
+    let by_name: HashMap<&str, usize> =
+        slots.iter().enumerate().map(|(slot, data)| (data.name.as_str(), slot)).collect();
+    let mut taken = HashSet::new();
     for (index, entry) in file.schedules.iter().enumerate() {
         let path = format!("schedule[{index}]");
-        let Some(slot) = slots.iter().position(|slot| slot.name == entry.input) else {
+        let Some(&slot) = by_name.get(entry.input.as_str()) else {
             let names: Vec<_> = slots.iter().take(20).map(|slot| slot.name.as_str()).collect();
             let span = notes.place(&path, &["input"]);
             let help = format!("inputs of this network: {}", names.join(", "));
             notes.refuse_with(span, format!("there is no input `{}`", entry.input), help);
             continue;
         };
-        if driven.schedules.iter().any(|other| other.input as usize == slot) {
+        if !taken.insert(slot) {
             notes.refuse_at(&path, &["input"], format!("`{}` has a schedule already", entry.input));
             continue;
         }

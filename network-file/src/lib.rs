@@ -46,6 +46,8 @@ mod input;
 pub mod limits;
 mod loaded;
 mod lower;
+mod notes;
+mod number;
 mod plan;
 mod read;
 mod reason;
@@ -67,7 +69,7 @@ pub use record::{Quantity, Record};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.
 pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {
-    let mut notes = table::Notes::default();
+    let mut notes = notes::Notes::default();
     let loaded = read::read(text, &mut notes).and_then(|file| lower::lower(file, &mut notes));
     loaded.ok_or_else(|| FileError::new(name, text, notes.findings))
 }
@@ -77,7 +79,7 @@ pub fn parse_bytes(bytes: &[u8], name: &str) -> Result<Loaded, FileError> {
     match std::str::from_utf8(bytes) {
         Ok(text) => parse(text, name),
         Err(error) => {
-            let mut notes = table::Notes::default();
+            let mut notes = notes::Notes::default();
             let at = error.valid_up_to();
             notes.refuse(at..at + 1, "not UTF-8 text");
             Err(FileError::new(name, &String::from_utf8_lossy(bytes), notes.findings))

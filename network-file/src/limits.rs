@@ -3,6 +3,7 @@
 //! The ranges are wide: they keep out slips of unit and of sign, and whatever would leave the range in which
 //! a run is trusted at its first step.
 
+use std::fmt;
 use std::ops::RangeInclusive;
 
 /// Largest file [bytes].
@@ -38,6 +39,22 @@ pub struct Range {
     pub values: RangeInclusive<f64>,
     /// Unit, `1` for a ratio.
     pub unit: &'static str,
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} … {}", short(*self.values.start()), short(*self.values.end()))?;
+        if self.unit == "1" { Ok(()) } else { write!(f, " {}", self.unit) }
+    }
+}
+
+/// A number as people write it: with an exponent where it is very small or large.
+fn short(number: f64) -> String {
+    if number == 0.0 || (1e-3..1e4).contains(&number.abs()) {
+        format!("{number}")
+    } else {
+        format!("{number:e}")
+    }
 }
 
 const fn range(from: f64, to: f64, unit: &'static str) -> Range {

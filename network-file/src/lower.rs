@@ -1,6 +1,6 @@
 //! From the document to the core's tables: references, densities, slots, and the core's own checks.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use eclss_core::element::Operating;
 use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Segment, StdElement, air};
@@ -12,10 +12,11 @@ use crate::flow_row::{self, Driven};
 use crate::input::{self, Slot};
 use crate::limits;
 use crate::loaded::{Loaded, Names, RunDefaults};
+use crate::notes::Notes;
+use crate::number::single;
 use crate::plan::PlanTables;
 use crate::reason;
 use crate::record::{self, Record};
-use crate::table::{Notes, single};
 
 /// Converts a document; `None` with findings in the notes.
 pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
@@ -92,6 +93,7 @@ impl<'f> Ids<'f> {
 }
 
 fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
+    let reached: HashSet<&str> = file.lines.iter().flat_map(|line| [&*line.from, &*line.to]).collect();
     let mut nodes = Vec::with_capacity(file.nodes.len());
     for (index, entry) in file.nodes.iter().enumerate() {
         let path = format!("node[{index}]");
@@ -103,6 +105,7 @@ fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
         let node = Node {
             kind: match entry.kind {
                 NodeEntryKind::Cabin { volume_m3 } => NodeKind::Cabin { volume_m3: volume_m3 as f32 },
+                NodeEntryKind::Junction => NodeKind::Junction,
                 NodeEntryKind::Boundary => NodeKind::Boundary,
             },
             start_gauge_pa: gauge.unwrap_or(0.0),
@@ -111,7 +114,7 @@ fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
         if let Err(error) = node.check() {
             notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
         }
-        if !file.lines.iter().any(|line| line.from == entry.id || line.to == entry.id) {
+        if !reached.contains(entry.id.as_str()) {
             notes.refuse_at(&path, &["id"], format!("no line reaches node `{}`", entry.id));
         }
         nodes.push(node);
@@ -252,14 +255,16 @@ fn run_defaults(file: &NetworkFile, notes: &mut Notes) -> RunDefaults {
 
 fn records(file: &NetworkFile, all: Vec<Record>, notes: &mut Notes) -> Vec<Record> {
     let Some(wanted) = &file.run.record else { return all };
+    let known: HashMap<&str, &Record> = all.iter().map(|record| (record.name.as_str(), record)).collect();
+    let mut seen = HashSet::new();
     let mut list: Vec<Record> = Vec::with_capacity(wanted.len());
     for (index, name) in wanted.iter().enumerate() {
         let place = format!("run.record[{index}]");
-        match all.iter().find(|record| record.name == *name) {
-            Some(_) if list.iter().any(|record| record.name == *name) => {
+        match known.get(name.as_str()) {
+            Some(_) if !seen.insert(name) => {
                 notes.refuse_at(&place, &[], format!("`{name}` is recorded twice"));
             }
-            Some(record) => list.push(record.clone()),
+            Some(&record) => list.push(record.clone()),
             None => {
                 let span = notes.place(&place, &[]);
                 let help = "points are like `cabin.pressure`, `loop.mass_flow`, `fan.outlet_pressure`, `valve.opening`";

@@ -9,10 +9,12 @@ use crate::document::{
     SCHEMA, ScheduleEntry,
 };
 use crate::limits;
-use crate::table::{Notes, Table, number};
+use crate::notes::Notes;
+use crate::number::number;
+use crate::table::Table;
 
 /// Kinds of node and of element, as written.
-const NODE_KINDS: [&str; 2] = ["cabin", "boundary"];
+const NODE_KINDS: [&str; 3] = ["cabin", "junction", "boundary"];
 const ELEMENT_KINDS: [&str; 7] = ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed"];
 
 /// Reads the whole text; the document counts only if there are no findings.
@@ -83,6 +85,7 @@ fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
     let id = node.need_id("id");
     let kind = match node.need_kind("kind", &NODE_KINDS)?.as_str() {
         "cabin" => NodeEntryKind::Cabin { volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME) },
+        "junction" => NodeEntryKind::Junction,
         _ => NodeEntryKind::Boundary,
     };
     let pressure_pa = node.need_number("pressure_pa", &limits::PRESSURE);

@@ -3,7 +3,7 @@
 use eclss_core::{MethodError, NetworkError, ParameterError, Reason};
 
 use crate::loaded::Loaded;
-use crate::table::Notes;
+use crate::notes::Notes;
 
 /// The keys from which a parameter of the core comes, the likeliest first.
 pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
@@ -97,21 +97,34 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
 /// Ties an error of the method's check to its place.
 pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
     let run = &loaded.file.run;
-    if let MethodError::NodeTooSmall(index) = error {
-        let span = notes.place(&format!("node[{index}]"), &["volume_m3"]);
-        let reason = format!("too small for method {} with step {}", run.method, run.step);
-        notes.refuse_with(
-            span,
-            reason,
+    let (step, method) = (&run.step, &run.method);
+    let (path, keys, reason, help): (String, &[&str], String, &str) = match error {
+        MethodError::Step { longest_us } => (
+            "run".into(),
+            &["step", "method"],
+            format!("step {step} is too long for method {method}, which takes up to {longest_us} µs"),
+            "take a shorter step, or an implicit method",
+        ),
+        MethodError::NodeTooSmall(index) => (
+            format!("node[{index}]"),
+            &["volume_m3"],
+            format!("too small for method {method} with step {step}"),
             "take a shorter step in [run], or join the volume with its neighbour",
-        );
-    } else if let MethodError::Step { longest_us } = error {
-        let (step, method) = (&run.step, &run.method);
-        let reason =
-            format!("step {step} is too long for method {method}, which takes up to {longest_us} µs");
-        notes.refuse_at("run", &["step", "method"], reason);
-    } else {
-        let reason = format!("method {} does not take this network: {error:?}", run.method);
-        notes.refuse_at("run", &["method"], reason);
-    }
+        ),
+        MethodError::Junction(index) => (
+            format!("node[{index}]"),
+            &["kind"],
+            format!("method {method} takes no junction"),
+            "give the node a volume, or take an implicit method in [run]",
+        ),
+        MethodError::NothingResists(index) => (
+            element_path(loaded, index),
+            &["id"],
+            format!("has neither inertance nor a loss at rest, so method {method} finds no flow"),
+            "give it a length, or its line a laminar limit",
+        ),
+        MethodError::Plan(error) => ("run".into(), &["method"], format!("internal: {error:?}"), ""),
+    };
+    let span = notes.place(&path, keys);
+    notes.refuse_with(span, reason, help);
 }

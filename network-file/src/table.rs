@@ -3,61 +3,14 @@
 //! A value that is refused is recorded as a finding and replaced by a stand-in, so that the rest of the file is
 //! still looked at; with any finding the document is thrown away.
 
-use std::collections::HashMap;
 use std::ops::{Range as Span, RangeInclusive};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::Finding;
 use crate::limits::{ID_BYTES, Range};
-
-/// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
-#[derive(Debug, Default)]
-pub(crate) struct Notes {
-    pub(crate) findings: Vec<Finding>,
-    places: HashMap<String, Span<usize>>,
-}
-
-impl Notes {
-    /// Records a problem at a span.
-    pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
-        self.findings.push(Finding { reason: reason.into(), help: None, span: Some(span) });
-    }
-
-    /// Records a problem with advice.
-    pub(crate) fn refuse_with(
-        &mut self,
-        span: Span<usize>,
-        reason: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        let (reason, help) = (reason.into(), Some(help.into()));
-        self.findings.push(Finding { reason, help, span: Some(span) });
-    }
-
-    /// Records a problem at the first of `keys` that stands in the table at `path`, else at the table.
-    pub(crate) fn refuse_at(&mut self, path: &str, keys: &[&str], reason: impl Into<String>) {
-        let span = self.place(path, keys);
-        self.refuse(span, reason);
-    }
-
-    /// Where the first of `keys` stands that is in the table at `path`, else the table, else what it is in.
-    pub(crate) fn place(&self, path: &str, keys: &[&str]) -> Span<usize> {
-        let of_key = keys.iter().find_map(|key| self.places.get(&join(path, key)));
-        let mut path = Some(path);
-        let above = std::iter::from_fn(|| {
-            let here = path?;
-            path = here.rfind(['.', '[']).map(|end| &here[..end]);
-            Some(here)
-        });
-        of_key.or_else(|| above.into_iter().find_map(|path| self.places.get(path))).cloned().unwrap_or(0..0)
-    }
-}
-
-fn join(path: &str, key: &str) -> String {
-    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
-}
+use crate::notes::{Notes, join};
+use crate::number::{kind_of, number};
 
 /// One table while it is read.
 pub(crate) struct Table<'n, 't> {
@@ -258,61 +211,10 @@ impl<'n, 't> Table<'n, 't> {
     }
 }
 
-/// A number in range that `f32` can hold.
-pub(crate) fn number(
-    notes: &mut Notes,
-    key: &str,
-    value: &Spanned<DeValue<'_>>,
-    range: &Range,
-) -> Option<f64> {
-    let parsed = match value.get_ref() {
-        DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-        DeValue::Integer(integer) => {
-            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
-        }
-        other => {
-            notes.refuse(value.span(), format!("`{key}` must be a number, not {}", kind_of(other)));
-            return None;
-        }
-    };
-    let reason = match parsed {
-        None => format!("`{key}` is a number too large to read"),
-        Some(number) if !number.is_finite() => format!("`{key}` must be finite, not {number}"),
-        Some(number) if !range.values.contains(&number) => {
-            let (from, to) = (range.values.start(), range.values.end());
-            let unit = if range.unit == "1" { String::new() } else { format!(" {}", range.unit) };
-            format!("`{key}` must lie in {from} … {to}{unit}, not at {number}")
-        }
-        Some(number) if single(number).is_none() => {
-            format!("`{key}` = {number:e} does not fit single precision")
-        }
-        Some(number) => return Some(number),
-    };
-    notes.refuse(value.span(), reason);
-    None
-}
-
-/// Rounds to `f32`; `None` where that overflows, or turns what is not zero into zero or a subnormal.
-pub(crate) fn single(number: f64) -> Option<f32> {
-    let rounded = number as f32;
-    (rounded.is_normal() || (rounded == 0.0 && number == 0.0)).then_some(rounded)
-}
-
 fn is_id(id: &str) -> bool {
     id.len() <= ID_BYTES
         && id.starts_with(|first: char| first.is_ascii_lowercase())
         && id.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_')
-}
-
-fn kind_of(value: &DeValue<'_>) -> &'static str {
-    match value {
-        DeValue::String(_) => "text",
-        DeValue::Integer(_) | DeValue::Float(_) => "a number",
-        DeValue::Boolean(_) => "true or false",
-        DeValue::Datetime(_) => "a date",
-        DeValue::Array(_) => "a list",
-        DeValue::Table(_) => "a table",
-    }
 }
 
 /// Edits that turn `a` into `b` (Levenshtein), for advice only.

@@ -1,6 +1,6 @@
 //! The generated Rust compiles and is the loaded network to the bit.
 //!
-//! `tests/generated/*.rs` are what `to_rust` writes for the files beside them. A test compares the text, so
+//! `tests/generated/*.rs` are what `to_rust` writes for the paper's network and for `tests/files/zoo.toml`. A test compares the text, so
 //! that what is compiled here is what it writes today; the buffer lengths, which change with every method, are
 //! compared with the core instead.
 
@@ -46,8 +46,8 @@ fn the_stored_text_is_what_is_written_today() {
         include_str!("generated/paper.rs"),
         "networks/paper.toml",
     );
-    let path = "network-file/tests/generated/zoo.toml";
-    assert_written(&loaded("tests/generated/zoo.toml"), include_str!("generated/zoo.rs"), path);
+    let path = "network-file/tests/files/zoo.toml";
+    assert_written(&loaded("tests/files/zoo.toml"), include_str!("generated/zoo.rs"), path);
 }
 
 fn assert_equal(loaded: &Loaded, generated: &Network<'_>, id: u64) {
@@ -69,8 +69,8 @@ fn assert_equal(loaded: &Loaded, generated: &Network<'_>, id: u64) {
 #[test]
 fn the_tables_are_the_loaded_ones() {
     assert_equal(&loaded("../networks/paper.toml"), &paper::NETWORK, paper::NETWORK_ID);
-    assert_equal(&loaded("tests/generated/zoo.toml"), &zoo::NETWORK, zoo::NETWORK_ID);
-    let names = loaded("tests/generated/zoo.toml").names;
+    assert_equal(&loaded("tests/files/zoo.toml"), &zoo::NETWORK, zoo::NETWORK_ID);
+    let names = loaded("tests/files/zoo.toml").names;
     assert_eq!(names.nodes, zoo::NODE_NAMES);
     assert_eq!(names.lines, zoo::LINE_NAMES);
     assert_eq!(names.segments, zoo::SEGMENT_NAMES);
@@ -79,7 +79,7 @@ fn the_tables_are_the_loaded_ones() {
 
 #[test]
 fn the_buffer_lengths_are_the_ones_that_a_simulator_asks_for() {
-    let loaded = loaded("tests/generated/zoo.toml");
+    let loaded = loaded("tests/files/zoo.toml");
     let text = loaded.to_rust();
     for method in Method::ALL {
         let sizes = method.sizes(&loaded.network());

@@ -237,6 +237,8 @@ fn runs_that_cannot_be() {
     spoil("step = \"1ms\"", "step = «\"2h\"", "`step` is longer than an hour");
     spoil("step = \"1ms\"", "step = «\"1s\"", "step 1s is too long for method relaxation");
     spoil("step = \"1ms\"", "step = \"1ms\"\nmethod = «\"magic\"", "there is no method `magic`");
+    let junction = "kind = «\"junction\"\n";
+    spoil("kind = \"cabin\"\nvolume_m3 = 60.0\n", junction, "method relaxation takes no junction");
     spoil("volume_m3 = 60.0", "volume_m3 = «1e-6", "too small for method relaxation with step 1ms");
 }
 

@@ -1,13 +1,14 @@
 //! A saved document is the document that was read.
 
-mod common;
-
-use common::{PAPER, ZOO};
 use eclss_network_file::parse;
+
+const PAPER: &str = include_str!("../../networks/paper.toml");
+const ZOO: &str = include_str!("files/zoo.toml");
+const JUNCTION: &str = include_str!("files/junction.toml");
 
 #[test]
 fn what_is_saved_is_what_was_read() {
-    for text in [PAPER, ZOO] {
+    for text in [PAPER, ZOO, JUNCTION] {
         let first = parse(text, "first").expect("the file is right");
         let saved = first.file.to_toml();
         let second = parse(&saved, "second").expect("what is saved is right");

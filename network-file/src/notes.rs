@@ -1,0 +1,54 @@
+//! What is found while a file is read, and where every key of it stands.
+
+use std::collections::HashMap;
+use std::ops::Range as Span;
+
+use crate::error::Finding;
+
+/// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
+#[derive(Debug, Default)]
+pub(crate) struct Notes {
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) places: HashMap<String, Span<usize>>,
+}
+
+impl Notes {
+    /// Records a problem at a span.
+    pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
+        self.findings.push(Finding { reason: reason.into(), help: None, span: Some(span) });
+    }
+
+    /// Records a problem with advice.
+    pub(crate) fn refuse_with(
+        &mut self,
+        span: Span<usize>,
+        reason: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let (reason, help) = (reason.into(), Some(help.into()));
+        self.findings.push(Finding { reason, help, span: Some(span) });
+    }
+
+    /// Records a problem at the first of `keys` that stands in the table at `path`, else at the table.
+    pub(crate) fn refuse_at(&mut self, path: &str, keys: &[&str], reason: impl Into<String>) {
+        let span = self.place(path, keys);
+        self.refuse(span, reason);
+    }
+
+    /// Where the first of `keys` stands that is in the table at `path`, else the table, else what it is in.
+    pub(crate) fn place(&self, path: &str, keys: &[&str]) -> Span<usize> {
+        let of_key = keys.iter().find_map(|key| self.places.get(&join(path, key)));
+        let mut path = Some(path);
+        let above = std::iter::from_fn(|| {
+            let here = path?;
+            path = here.rfind(['.', '[']).map(|end| &here[..end]);
+            Some(here)
+        });
+        of_key.or_else(|| above.into_iter().find_map(|path| self.places.get(path))).cloned().unwrap_or(0..0)
+    }
+}
+
+/// Path of a key in the table at `path`.
+pub(crate) fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
