@@ -54,7 +54,9 @@ pub fn large_cost(nodes: usize) -> Result<LargeCost, Failure> {
         Contender::new(|calls| (0..calls).for_each(|_| floor.run())),
         Contender::new(|calls| {
             for _ in 0..calls {
-                black_box(&mut memory).iter_mut().for_each(|value| *value += 1.0);
+                for value in black_box(&mut memory) {
+                    *value += 1.0;
+                }
             }
         }),
     ];
