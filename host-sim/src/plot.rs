@@ -7,6 +7,7 @@ mod canvas;
 mod clip;
 mod draw;
 mod figure;
+mod legend;
 pub mod style;
 mod ticks;
 

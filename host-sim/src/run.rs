@@ -9,6 +9,7 @@ pub use picture::picture;
 pub use plan::{Plan, Wishes};
 pub(crate) use report::proof;
 pub use report::{ById, Diverged, End, RunReport, Snapshot, Worst};
+pub(crate) use table::part;
 pub use table::write_table;
 
 use eclss_core::{Health, Simulator};

@@ -86,3 +86,24 @@ fn every_method_comes_to_the_same_steady_flow() {
         assert!((flow - 86.4776).abs() < 2e-3, "{method}: {flow}");
     }
 }
+
+#[test]
+fn several_lines_and_nodes_are_reported_by_id() {
+    let folder = Folder::new("json_two");
+    std::fs::write(folder.path("two.toml"), include_str!("two_cabins.toml")).unwrap();
+    let (code, report) = run(&folder, &["run", "two.toml", "--at", "0s,30s", "--json", "--out", "out"]);
+    assert_eq!(code, 0);
+    let at = &report["at"][1];
+    let flow = |id: &str| at["flows_kg_s"][id].as_f64().unwrap();
+    // What comes through the valve goes back through the hatch, but for what the leak takes.
+    assert!((flow("imv") - flow("hatch")).abs() < 1e-3 * flow("imv"), "{at}");
+    assert!(flow("leak") > 0.0 && flow("leak") < 1e-4);
+    let pressure = |id: &str| at["pressures_pa"][id].as_f64().unwrap();
+    assert!(pressure("imv_fan") > pressure("lab") && pressure("imv_valve") < pressure("imv_fan"));
+    assert!((pressure("imv_duct") - pressure("node1")).abs() < 1e-9, "the last outlet is the node");
+    assert!(pressure("vacuum").abs() < 1e-9);
+    assert!(folder.path("out/run_relaxation.csv").exists());
+    let (code, out, _) = folder.say(&["stability", "two.toml"]);
+    assert!(code == 0 && out.contains("line `imv`, input `imv_valve.opening`"), "{out}");
+    assert!(!out.contains("line `hatch`"), "a line without inputs has nothing to sweep: {out}");
+}

@@ -8,7 +8,7 @@ use crate::args::CheckArgs;
 use crate::linear::{LineModel, worst};
 use crate::output::write_text;
 use crate::refusal::refused;
-use crate::run::{Plan, Wishes, proof};
+use crate::run::{Plan, Wishes, part, proof};
 use crate::stability::{MOST_ROWS, Range, sweep_line};
 use crate::{Duration, Failure, HostBuffers, Source};
 
@@ -93,8 +93,10 @@ fn write_margins(out: &mut dyn Write, source: &Source, plan: &Plan) -> Result<Ve
         let margin = model.margin(flow, step_s, phi);
         writeln!(
             out,
-            "  {id}: {:.6} g/s, φ {phi:.6}, spectral bound {:.6}, proof {}",
-            flow * 1e3,
+            "  {id}: {:.6} g/s, φ {}, spectral bound {:.6}, proof {}",
+            // Rest is 0, whichever side the search came from.
+            (flow * 1e9).round() / 1e6 + 0.0,
+            part(margin.phi),
             margin.spectral_bound,
             proof(margin.proof)
         )?;

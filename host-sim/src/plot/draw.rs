@@ -2,20 +2,19 @@
 
 use super::canvas::{self, Anchor, Canvas, Pen};
 use super::clip::{Point, Window};
-use super::figure::{Axis, Curve, Dash, Dots, Figure, Level, Mark, Panel};
+use super::figure::{Axis, Curve, Dash, Figure, Mark, Panel};
+use super::legend;
 use super::style::{self, Colour, FAINT_INK, GRID, INK, LABEL_PX, PANEL_PX, TICK_PX, TITLE_PX};
 use super::ticks;
 
 /// Room around everything [px].
-const MARGIN: i32 = 14;
+pub(super) const MARGIN: i32 = 14;
 /// Height of a line of remarks or legend [px].
-const LINE: i32 = 19;
+pub(super) const LINE: i32 = 19;
 /// Room for tick labels of a vertical axis, so that panels below each other begin at one place [px].
 const LEAST_LABEL: i32 = 42;
 /// Steps of colour in a bar.
 const BANDS: i32 = 40;
-/// Length of the sample of a curve in a legend [px].
-const SAMPLE: f64 = 30.0;
 
 /// A number of things as pixels are counted.
 fn count(things: usize) -> i32 {
@@ -67,8 +66,8 @@ struct Frame<'p> {
 
 impl<'p> Frame<'p> {
     fn new(panel: &'p Panel, left: i32, top: i32, (width, height): (i32, i32)) -> Self {
-        let title = if panel.title.is_empty() { 0 } else { PANEL_PX + 9 };
-        let legend = count(legend_rows(panel, width - 2 * MARGIN).len()) * LINE;
+        let title = title_height(panel);
+        let legend = count(legend::row_count(panel, width - 2 * MARGIN)) * LINE;
         let y_ticks = axis_ticks(&panel.y, f64::from(height) / 40.0);
         let widest = y_ticks.iter().map(|(_, label)| style::text_width(label, TICK_PX)).max().unwrap_or(0);
         let widest = widest.max(LEAST_LABEL);
@@ -146,7 +145,7 @@ impl<'p> Frame<'p> {
         }
         canvas.frame((self.left, self.top), (self.right, self.bottom), INK, 1.0)?;
         self.titles(canvas)?;
-        self.legend(canvas)?;
+        legend::draw(canvas, self.panel, (self.left, self.right), self.outer)?;
         self.colour_bar(canvas)
     }
 
@@ -190,31 +189,6 @@ impl<'p> Frame<'p> {
         canvas.text(&self.panel.y.label, (x, f64::midpoint(self.top, self.bottom)), upwards)
     }
 
-    fn legend(&self, canvas: &Canvas<'_>) -> Option<()> {
-        let title = if self.panel.title.is_empty() { 0 } else { PANEL_PX + 9 };
-        let rows = legend_rows(self.panel, self.outer.2 - 2 * MARGIN);
-        for (row, entries) in (0..).zip(rows) {
-            let width: f64 = entries.iter().map(Entry::width).sum();
-            let mut x = f64::midpoint(self.left, self.right) - width / 2.0;
-            x = x.max(f64::from(self.outer.0) + 8.0);
-            let y = f64::from(self.outer.1 + title + row * LINE + LINE / 2);
-            for entry in entries {
-                match entry {
-                    Entry::Level(_) => level_line(canvas, &[(x, y), (x + SAMPLE, y)])?,
-                    Entry::Curve(curve) => stroke(canvas, &[(x, y), (x + SAMPLE, y)], curve)?,
-                    Entry::Dots(dots) => {
-                        let colour = dots.points.first().map_or(INK, |point| point.1);
-                        mark(canvas, dots.mark, (x + SAMPLE / 2.0, y), dots.radius.max(3.5), colour)?;
-                    }
-                }
-                let pen = Pen::new(LABEL_PX, INK, Anchor::Start);
-                canvas.text(entry.label(), (x + SAMPLE + 6.0, y), pen)?;
-                x += entry.width();
-            }
-        }
-        Some(())
-    }
-
     fn colour_bar(&self, canvas: &Canvas<'_>) -> Option<()> {
         let Some(colours) = &self.panel.colours else { return Some(()) };
         let (left, right) = (self.right + 14.0, self.right + 26.0);
@@ -236,6 +210,11 @@ impl<'p> Frame<'p> {
     }
 }
 
+/// Height of a panel's title [px].
+pub(super) fn title_height(panel: &Panel) -> i32 {
+    if panel.title.is_empty() { 0 } else { PANEL_PX + 9 }
+}
+
 fn axis_ticks(axis: &Axis, wanted: f64) -> Vec<(f64, String)> {
     let wanted = wanted.max(2.0) as usize;
     if axis.logarithmic {
@@ -245,11 +224,11 @@ fn axis_ticks(axis: &Axis, wanted: f64) -> Vec<(f64, String)> {
     }
 }
 
-fn level_line(canvas: &Canvas<'_>, ends: &[(f64, f64)]) -> Option<()> {
+pub(super) fn level_line(canvas: &Canvas<'_>, ends: &[(f64, f64)]) -> Option<()> {
     canvas.dashes(ends, style::BLACK, 1.2, (7.0, 4.0))
 }
 
-fn stroke(canvas: &Canvas<'_>, points: &[(f64, f64)], curve: &Curve) -> Option<()> {
+pub(super) fn stroke(canvas: &Canvas<'_>, points: &[(f64, f64)], curve: &Curve) -> Option<()> {
     match curve.dash {
         Dash::Solid => canvas.path(points, curve.colour, curve.width),
         Dash::Dashed => canvas.dashes(points, curve.colour, curve.width, (8.0, 4.0)),
@@ -257,7 +236,13 @@ fn stroke(canvas: &Canvas<'_>, points: &[(f64, f64)], curve: &Curve) -> Option<(
     }
 }
 
-fn mark(canvas: &Canvas<'_>, mark: Mark, (x, y): (f64, f64), r: f64, colour: Colour) -> Option<()> {
+pub(super) fn mark(
+    canvas: &Canvas<'_>,
+    mark: Mark,
+    (x, y): (f64, f64),
+    r: f64,
+    colour: Colour,
+) -> Option<()> {
     match mark {
         Mark::Disc => canvas.circle((x, y), r, colour, true),
         Mark::Ring => canvas.circle((x, y), r, colour, false),
@@ -266,47 +251,4 @@ fn mark(canvas: &Canvas<'_>, mark: Mark, (x, y): (f64, f64), r: f64, colour: Col
             canvas.path(&[(x - r, y + r), (x + r, y - r)], colour, 1.8)
         }
     }
-}
-
-/// One entry of a legend.
-enum Entry<'p> {
-    Level(&'p Level),
-    Curve(&'p Curve),
-    Dots(&'p Dots),
-}
-
-impl Entry<'_> {
-    fn label(&self) -> &str {
-        match self {
-            Self::Level(level) => &level.label,
-            Self::Curve(curve) => &curve.label,
-            Self::Dots(dots) => &dots.label,
-        }
-    }
-
-    fn width(&self) -> f64 {
-        SAMPLE + 6.0 + f64::from(style::text_width(self.label(), LABEL_PX)) + 18.0
-    }
-}
-
-/// The legend's entries in rows no wider than `width` [px].
-fn legend_rows(panel: &Panel, width: i32) -> Vec<Vec<Entry<'_>>> {
-    let curves = panel.curves.iter().map(Entry::Curve);
-    let entries = curves.chain(panel.dots.iter().map(Entry::Dots));
-    let entries =
-        entries.chain(panel.levels.iter().map(Entry::Level)).filter(|entry| !entry.label().is_empty());
-    let mut rows: Vec<Vec<Entry<'_>>> = Vec::new();
-    let mut used = f64::INFINITY;
-    for entry in entries {
-        let more = entry.width();
-        if used + more > f64::from(width) {
-            rows.push(Vec::new());
-            used = 0.0;
-        }
-        used += more;
-        if let Some(row) = rows.last_mut() {
-            row.push(entry);
-        }
-    }
-    rows
 }

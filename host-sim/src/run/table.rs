@@ -17,7 +17,7 @@ pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> 
     }
     let worst = &report.end.worst;
     writeln!(out, "\nworst of all {} steps", report.end.tick)?;
-    writeln!(out, "  smallest φ        {}", worst.phi_min)?;
+    writeln!(out, "  smallest φ        {}", part(worst.phi_min))?;
     writeln!(out, "  spectral bound    {}", worst.spectral_bound)?;
     writeln!(out, "  weakest proof     {}, {} steps without one", worst.proof, worst.unproven_ticks)?;
     if report.pseudo_time {
@@ -39,7 +39,10 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
     writeln!(
         out,
         "  φ {}, spectral bound {}, proof {}, state hash {}",
-        at.phi_min, at.spectral_bound, at.proof, at.state_hash
+        part(at.phi_min),
+        at.spectral_bound,
+        at.proof,
+        at.state_hash
     )?;
     let room = names.nodes.iter().chain(&names.lines).chain(&names.segments).chain(&names.inputs);
     let room = room.map(|id| id.chars().count()).max().unwrap_or(0).max(6) + 2;
@@ -70,6 +73,11 @@ fn row(out: &mut dyn Write, at: &Snapshot, id: &str, shown: &str, room: usize) -
         (Some(pressure), Some(gauge)) => writeln!(out, " {pressure:>16.4} {gauge:>14.4}"),
         _ => writeln!(out),
     }
+}
+
+/// A number of 0…1 in a form that is short for very small ones as well.
+pub(crate) fn part(value: f32) -> String {
+    if value < 1e-3 { format!("{value:.3e}") } else { format!("{value:.6}") }
 }
 
 fn find<V: Copy>(list: &ById<V>, id: &str) -> Option<V> {
