@@ -1,8 +1,9 @@
 //! Eigenvalues of one explicit step, from the Jacobian of the independent equations by nalgebra.
 
+use crate::paper;
 use crate::tight::Equations;
 use nalgebra::linalg::balancing;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// Returns ∂f/∂x of `equations` at (`t_s`, `x`).
 pub fn jacobian(equations: &impl Equations, t_s: f64, x: &[f64]) -> DMatrix<f64> {
@@ -22,9 +23,19 @@ pub fn jacobian(equations: &impl Equations, t_s: f64, x: &[f64]) -> DMatrix<f64>
 ///
 /// The eigenvalues of J are taken after balancing and only then moved to the disc of the step: pressures in
 /// Pa and flows in kg/s differ by orders of magnitude, and a chain of equal rows is nearly defective.
+///
+/// # Panics
+/// Where the iteration converges neither for J nor for its transpose.
 pub fn step_eigenvalues(mut rates: DMatrix<f64>, step: f64) -> Vec<Complex<f64>> {
     balancing::balance_parlett_reinsch(&mut rates);
-    rates.complex_eigenvalues().iter().map(|eigenvalue| eigenvalue * step + 1.0).collect()
+    // Now and then the shifts of the iteration go round in circles; the transpose takes other ones, and a
+    // subdiagonal entry of a few roundings may count as zero.
+    let schur = [1.0, 8.0, 64.0, 512.0]
+        .into_iter()
+        .flat_map(|roundings| [(rates.clone(), roundings), (rates.transpose(), roundings)])
+        .find_map(|(matrix, roundings)| Schur::try_new(matrix, roundings * f64::EPSILON, 10_000));
+    let schur = schur.expect("eigenvalues of a small matrix converge");
+    schur.complex_eigenvalues().iter().map(|eigenvalue| eigenvalue * step + 1.0).collect()
 }
 
 /// Returns the spectral radius of I + h·J.
@@ -52,4 +63,23 @@ pub fn line_jacobian(rows: &[f64], own: f64, slope: f64, phi: f64) -> DMatrix<f6
     }
     matrix[(last, last)] = -phi * own * slope;
     matrix
+}
+
+/// Returns the spectral radius of a step of `h` [s] of the paper's loop at the steady state of a frozen
+/// `opening` [1], with the operator where `stabilised`.
+pub fn paper_radius(opening: f64, h: f64, stabilised: bool) -> f64 {
+    let slope = 2.0 * paper::steady_flow_kg_s(opening);
+    let own = paper::valve_resistance(opening);
+    let phi = if stabilised { phi(h, own * slope) } else { 1.0 };
+    step_radius(line_jacobian(&paper::felt_resistances(), own, slope, phi), h)
+}
+
+/// Returns the opening [1] below which a plain step of `h` [s] leaves the unit disc, by bisection.
+pub fn paper_edge(h: f64) -> f64 {
+    let (mut unstable, mut stable) = (0.02, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (unstable + stable);
+        if paper_radius(middle, h, false) > 1.0 { unstable = middle } else { stable = middle }
+    }
+    stable
 }
