@@ -5,7 +5,7 @@
 //! with whoever made the description.
 
 use crate::element::{Element, Operating, ParameterError, Reason, StdElement};
-use crate::{Fingerprint, Node, Plan, Schedule, SchedulePoint};
+use crate::{Fingerprint, Node, Plan, PlanError, Schedule, SchedulePoint};
 
 /// One element at its place in a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,6 +107,8 @@ pub enum NetworkError {
     ActiveList,
     /// A schedule's input, points or times do not fit; its index.
     Schedule(u32),
+    /// The lists of line ends are not those that follow from the lines.
+    Plan(PlanError),
 }
 
 impl<E: Element> Network<'_, E> {
@@ -119,7 +121,13 @@ impl<E: Element> Network<'_, E> {
             .map_err(NetworkError::Reference)?;
         for (index, node) in (0u32..).zip(self.nodes) {
             node.check().map_err(|error| NetworkError::Node(index, error))?;
-            if !self.lines.iter().any(|line| line.from == index || line.to == index) {
+            // With tables at hand this is one look; without them it is a search, for small networks only.
+            let ends = self.plan.end_start.get(index as usize..index as usize + 2);
+            let connected = match ends {
+                Some([first, past]) => first < past,
+                _ => self.lines.iter().any(|line| line.from == index || line.to == index),
+            };
+            if !connected {
                 return Err(NetworkError::UnconnectedNode(index));
             }
         }
@@ -142,6 +150,9 @@ impl<E: Element> Network<'_, E> {
         }
         if next as usize != self.segments.len() {
             return Err(NetworkError::SegmentRange(self.lines.len() as u32));
+        }
+        if !self.plan.end_start.is_empty() {
+            self.plan.check_ends(self.nodes, self.lines).map_err(NetworkError::Plan)?;
         }
         self.check_schedules()
     }

@@ -21,7 +21,9 @@ use crate::math;
 pub enum Proof {
     /// The flow row dominates: every eigenvalue lies in the disc by Gershgorin's theorem.
     Dominant,
-    /// The step is short against the flow row (2·h·R·|w| < ½): stable in every case examined, not proven.
+    /// The step is short against the flow row (2·h·R·|w| < ½), as in the paper's loop with its valve open. A
+    /// guard, no proof: a stiff element far from the flow row breaks it (a network file therefore puts the flow
+    /// where the eigenvalues were checked when it was read).
     ShortStep,
     /// Neither: the margin has to be computed from the eigenvalues.
     None,

@@ -222,9 +222,14 @@ impl<'a, E: Element> Simulator<'a, E> {
             Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
             Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, start),
             Method::Adaptive => adaptive::step(network, h, state, work, start),
-            Method::ImplicitEuler | Method::TrBdf2 => {
-                implicit::step(network, settings.method, h, state, work, StageInputs { start, middle, end })
-            }
+            Method::ImplicitEuler | Method::TrBdf2 => implicit::step::<E, UNROLL>(
+                network,
+                settings.method,
+                h,
+                state,
+                work,
+                StageInputs { start, middle, end },
+            ),
         };
         self.margin = margin;
         self.worst_margin = self.worst_margin.with(margin);

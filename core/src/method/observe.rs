@@ -3,8 +3,8 @@
 //! Every method keeps the nodes' gauge pressures at the beginning of its work buffer and the shared part at
 //! the beginning of its state.
 
-use super::adaptive;
 use super::common::{self, Common};
+use super::{adaptive, implicit};
 use crate::element::{Element, Operating};
 use crate::{Line, Method, Network, math};
 
@@ -25,7 +25,11 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Gauge pressure of a node [Pa].
     pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
-        let stride = if self.method == Method::Adaptive { adaptive::NODE_FIGURES } else { 1 };
+        let stride = match self.method {
+            Method::Euler | Method::Relaxation => 1,
+            Method::Adaptive => adaptive::NODE_FIGURES,
+            Method::ImplicitEuler | Method::TrBdf2 => implicit::NODE_FIGURES,
+        };
         if node < self.network.nodes.len() {
             self.work.get(stride * node).copied().unwrap_or(f32::NAN)
         } else {
@@ -33,11 +37,15 @@ impl<E: Element> Observer<'_, '_, E> {
         }
     }
 
-    /// Where an implicit method keeps flow and pressure of a segment.
+    /// Where an implicit method keeps its segments.
+    fn own_states(&self) -> usize {
+        Common::length(self.network) + 2 * self.network.nodes.len()
+    }
+
+    /// Flow and pressure of a segment of an implicit method.
     fn own_state(&self, segment: usize) -> (f32, f32) {
-        let flows = Common::length(self.network) + 2 * self.network.nodes.len();
-        let gauges = flows + 2 * self.network.segments.len();
-        (self.state_at(flows + 2 * segment), self.state_at(gauges + 2 * segment))
+        let first = self.own_states() + 4 * segment;
+        (self.state_at(first), self.state_at(first + 2))
     }
 
     fn is_implicit(&self) -> bool {
@@ -158,11 +166,9 @@ impl<E: Element> Observer<'_, '_, E> {
         let (temperature, start) = from.map_or((0.0, 0.0), |node| (node.temperature_k, node.start_gauge_pa));
         let first = description.first_segment as usize;
         let last = first + description.segments as usize - 1;
-        let gauges =
-            Common::length(self.network) + 2 * (self.network.nodes.len() + self.network.segments.len());
         let held = |segment: usize| {
             let volume = self.network.segments.get(segment).map_or(0.0, |segment| segment.outlet_volume_m3);
-            let rise = self.sum_at(gauges + 2 * segment) - f64::from(start);
+            let rise = self.sum_at(self.own_states() + 4 * segment + 2) - f64::from(start);
             if volume > 0.0 {
                 rise * f64::from(volume)
                     / (f64::from(crate::air::GAS_CONSTANT_J_KG_K) * f64::from(temperature))

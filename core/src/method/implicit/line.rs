@@ -14,101 +14,102 @@
 
 use crate::math;
 
-/// Fixed data of a segment: I/τ [Pa·s/kg], C/τ of the volume behind it [kg/(s·Pa)], removal s [1].
-pub(crate) type Fixed = [f32; 3];
-/// Law of a segment in this stage: R, L, head.
-pub(crate) type SegmentLaw = [f32; 3];
-/// What the back substitution needs of a segment: b, q, α, γ, κ.
-pub(crate) type Swept = [f32; 5];
+/// Number of figures of a segment.
+pub(crate) const CELL: usize = 20;
 
-/// Columns of one line's segments, all of equal length.
-pub(crate) struct Columns<'c> {
-    pub(crate) fixed: &'c [Fixed],
-    pub(crate) law: &'c [SegmentLaw],
-    /// Flow at the step's start and its carry [kg/s].
-    pub(crate) flow: &'c [[f32; 2]],
-    /// Gauge pressure behind the segment at the step's start and its carry [Pa].
-    pub(crate) gauge: &'c [[f32; 2]],
-    /// Known part of the momentum and of the mass balance of this stage.
-    pub(crate) known: &'c [[f32; 2]],
-    /// Present iterate: increment of the flow and of the pressure behind the segment.
-    pub(crate) delta: &'c [[f32; 2]],
-    pub(crate) swept: &'c mut [Swept],
-}
+/// Figures of a segment and of the pressure behind it: I/τ [Pa·s/kg]; C/τ of the volume behind [kg/(s·Pa)];
+/// removal [1]; 1 where the slope needs its guard, else 0; R, L and head of the law in this stage; known part of
+/// the momentum [Pa], from [`push`] on with head and pressure difference of the step's start in it; known part
+/// of the mass balance [kg/s]; flow [kg/s] and pressure behind [Pa gauge] at the step's
+/// start; their increments in the present iterate; the flow's increment in the first stage; rise of pressure per
+/// mass [Pa/kg]; b, q, α, γ, κ of the sweep.
+pub(crate) type Cell = [f32; CELL];
 
-/// Pressure of a node at the step's start and its present increment [Pa].
-#[derive(Clone, Copy)]
-pub(crate) struct NodePressure {
-    pub(crate) start: f32,
-    pub(crate) delta: f32,
-}
-
-/// A line's flows as functions of its nodes' increments:
-/// in = `inlet + inlet_own·δp_from − inlet_other·δp_to`, out likewise with the signs of an outlet.
+/// A line's flows as functions of its nodes' increments: in = `inlet + (held + through)·δp_from −
+/// through·δp_to` with the inlet's parts, out likewise with the outlet's and the signs of an outlet.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Admittance {
     pub(crate) inlet: f32,
     pub(crate) outlet: f32,
-    /// Held by the line's own volumes: inlet and outlet.
+    /// Held by the line's own volumes: at the inlet and at the outlet.
     pub(crate) inlet_held: f32,
     pub(crate) outlet_held: f32,
-    /// Passed through: effect of δp_to on the inlet, and of δp_from on the outlet.
+    /// Passed through: effect of `δp_to` on the inlet, and of `δp_from` on the outlet.
     pub(crate) inlet_through: f32,
     pub(crate) outlet_through: f32,
 }
 
-/// Pressure loss of a law at flow `w`, linear below `laminar` [kg/s].
+/// The larger of the two, where there is a laminar range at all.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over segments")]
-pub(crate) fn loss(&[quadratic, linear, _]: &SegmentLaw, w: f32, laminar: f32) -> f32 {
-    quadratic * w * math::larger(w.abs(), laminar) + linear * w
+fn at_least(size: f32, laminar: f32) -> f32 {
+    if laminar > 0.0 { math::larger(size, laminar) } else { size }
 }
 
-/// Sweeps a line from inlet to outlet around the present iterate.
+/// Pressure loss at flow `w`, linear below `laminar` [kg/s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over segments")]
+fn loss(quadratic: f32, linear: f32, w: f32, laminar: f32) -> f32 {
+    quadratic * w * at_least(w.abs(), laminar) + linear * w
+}
+
+/// Slope dΔp/dw at which a segment is linearised.
+///
+/// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the
+/// slope is taken at the larger of the present flow and of the flow that the present pressures would drive.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over segments")]
+fn slope(cell: &Cell, present: f32, driving: f32, laminar: f32) -> f32 {
+    let &[inertia, _, _, guarded, quadratic, linear, ..] = cell;
+    let mut size = at_least(present.abs(), 0.5 * laminar);
+    if guarded > 0.0 {
+        let (total, resisting) = (driving.abs(), inertia + linear);
+        let root = math::sqrt(resisting * resisting + 4.0 * quadratic * total);
+        size = math::larger(size, 2.0 * total / (resisting + root));
+    }
+    2.0 * quadratic * size + linear
+}
+
+/// Adds to the known part of every momentum what does not change within a stage: head, and the pressures of the
+/// step's start, of which the last cell's is the outlet node's and `from` the inlet node's [Pa gauge].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-pub(crate) fn sweep(
-    columns: &mut Columns<'_>,
-    from: NodePressure,
-    to: NodePressure,
-    laminar: f32,
-) -> Admittance {
-    let last = columns.fixed.len().saturating_sub(1);
+pub(crate) fn push(cells: &mut [Cell], from: f32) {
+    let mut upstream = from;
+    for cell in cells {
+        let [_, _, _, _, _, _, head, momentum, _, _, p, ..] = cell;
+        *momentum += (upstream - *p) + *head;
+        upstream = *p;
+    }
+}
+
+/// Sweeps a line from inlet to outlet around the present iterate; `from` is the inlet node's increment and the
+/// last cell's the outlet node's [Pa].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
+pub(crate) fn sweep(cells: &mut [Cell], from: f32, laminar: f32) -> Admittance {
     let mut result = Admittance::default();
     // Upstream of the present segment: its pressure, b, flow and q, capacity and removal of the volume there.
-    let mut upstream = from;
+    let mut dp_before = from;
     let (mut b_before, mut w_before, mut q_before) = (0.0, 0.0, 0.0);
     let (mut capacity, mut removal, mut mass_known) = (0.0, 0.0, 0.0);
     // α, κ and ζ = 1 − κ − γ of the volume before; P, Q and Z of δp_0 = P + (1 − Q − Z)·δp_from + Q·δp_j.
     let (mut alpha, mut kappa, mut zeta) = (0.0, 1.0, 0.0);
-    let (mut first_b, mut start, mut through, mut held) = (0.0, 0.0, 1.0, 0.0);
-    let rows = columns.fixed.iter().zip(columns.law).zip(columns.flow).zip(columns.gauge).zip(columns.known);
-    let rows = rows.zip(columns.delta.iter()).zip(columns.swept.iter_mut()).enumerate();
-    for (index, ((((((fixed, law), [w, _]), [p, _]), known), [dw, dp]), swept)) in rows {
-        let [inertia, own_capacity, own_removal] = *fixed;
-        let [momentum_known, own_mass_known] = *known;
-        let downstream = if index == last { to } else { NodePressure { start: *p, delta: *dp } };
-        let (b, q) = {
-            let [quadratic, linear, head] = *law;
-            let push = momentum_known + (upstream.start - downstream.start) + head;
-            // Flow that the present pressures would drive, solved exactly: the slope is taken at the larger of
-            // this and the present flow, because a tangent near zero flow overshoots without bound.
-            let total = push + (upstream.delta - downstream.delta) + inertia * w;
-            let resisting = inertia + linear;
-            let driven = 2.0 * total
-                / (resisting + math::sqrt(resisting * resisting + 4.0 * (quadratic * total.abs())));
-            let present = w + dw;
-            let size = math::larger(math::larger(present.abs(), driven.abs()), 0.5 * laminar);
-            let slope = 2.0 * quadratic * size + linear;
-            let b = 1.0 / (inertia + slope);
-            (b, b * (push - loss(law, present, laminar) + slope * dw))
-        };
+    let (mut start, mut through, mut held) = (0.0, 1.0, 0.0);
+    let mut first_b = 0.0;
+    for (index, cell) in cells.iter_mut().enumerate() {
+        let [inertia, own_capacity, own_removal, _, quadratic, linear, _, pushed, mass, w, _, dw, dp, ..] =
+            *cell;
+        let present = w + dw;
+        let slope = slope(cell, present, pushed + (dp_before - dp) + inertia * w, laminar);
+        let b = 1.0 / (inertia + slope);
+        let q = b * (pushed - loss(quadratic, linear, present, laminar) + slope * dw);
         let mut gamma = 0.0;
         if index == 0 {
             first_b = b;
             result.inlet = w + q;
         } else {
-            let leaves = if w + dw > 0.0 { 1.0 + removal } else { 1.0 };
+            let leaves = if present > 0.0 { 1.0 + removal } else { 1.0 };
             let residual = mass_known + (w_before - leaves * w) + (q_before - leaves * q);
             let pivot = 1.0 / (capacity + b_before * (kappa + zeta) + leaves * b);
             alpha = (residual + b_before * alpha) * pivot;
@@ -119,10 +120,11 @@ pub(crate) fn sweep(
             held += through * zeta;
             through *= gamma;
         }
-        *swept = [b, q, alpha, gamma, kappa];
-        upstream = downstream;
-        (b_before, w_before, q_before) = (b, *w, q);
-        (capacity, removal, mass_known) = (own_capacity, own_removal, own_mass_known);
+        let [.., cell_b, cell_q, cell_alpha, cell_gamma, cell_kappa] = cell;
+        (*cell_b, *cell_q, *cell_alpha, *cell_gamma, *cell_kappa) = (b, q, alpha, gamma, kappa);
+        dp_before = dp;
+        (b_before, w_before, q_before) = (b, w, q);
+        (capacity, removal, mass_known) = (own_capacity, own_removal, mass);
     }
     result.inlet -= first_b * start;
     result.inlet_held = first_b * held;
@@ -136,12 +138,108 @@ pub(crate) fn sweep(
 /// Sets the line's iterate from the nodes' increments, from outlet to inlet.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-pub(crate) fn substitute(delta: &mut [[f32; 2]], swept: &[Swept], from: f32, to: f32) {
+pub(crate) fn substitute(cells: &mut [Cell], from: f32, to: f32) {
     let mut downstream = to;
-    for (index, (delta, &[b, q, alpha, gamma, kappa])) in delta.iter_mut().zip(swept).enumerate().rev() {
+    for (index, cell) in cells.iter_mut().enumerate().rev() {
+        let [.., b, q, alpha, gamma, kappa] = *cell;
         // A segment's coefficients belong to the pressure before it, which is the one behind its neighbour.
         let upstream = if index == 0 { from } else { alpha + gamma * downstream + kappa * from };
-        *delta = [q + b * (upstream - downstream), downstream];
+        let [_, _, _, _, _, _, _, _, _, _, _, dw, dp, ..] = cell;
+        (*dw, *dp) = (q + b * (upstream - downstream), downstream);
         downstream = upstream;
     }
+}
+
+/// Rates of change at the step's start as the known parts of a trapezoidal stage; returns the flows at inlet
+/// and outlet [kg/s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
+pub(crate) fn rates(cells: &mut [Cell], from: f32, laminar: f32) -> (f32, f32) {
+    let mut before: Option<&mut Cell> = None;
+    let (mut upstream, mut inlet) = (from, 0.0);
+    for cell in cells {
+        let [inertia, _, _, _, quadratic, linear, head, _, _, w, p, ..] = *cell;
+        let rate = (upstream - p) + head - loss(quadratic, linear, w, laminar);
+        cell[7] = if inertia > 0.0 { rate } else { 0.0 };
+        match before {
+            Some(before) => {
+                let [_, capacity, removal, _, _, _, _, _, mass, inflow, ..] = before;
+                let leaves = if w > 0.0 { (1.0 + *removal) * w } else { w };
+                *mass = if *capacity > 0.0 { *inflow - leaves } else { 0.0 };
+            }
+            None => inlet = w,
+        }
+        upstream = p;
+        before = Some(cell);
+    }
+    let outlet = before.map_or(0.0, |last| {
+        let [_, _, removal, _, _, _, _, _, _, w, ..] = *last;
+        if w > 0.0 { w / (1.0 + removal) } else { w }
+    });
+    (inlet, outlet)
+}
+
+/// What one step of one line moved [kg], and whether a flow left its range.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Moved {
+    pub(crate) taken: f32,
+    pub(crate) given: f32,
+    pub(crate) drained: f32,
+    pub(crate) beyond: bool,
+}
+
+/// Takes the last stage's increments over and moves masses by the mean flows of the step.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the loop over lines")]
+pub(crate) fn commit(
+    cells: &[Cell],
+    states: &mut [[f32; 4]],
+    h: f32,
+    weights: [f32; 2],
+    limit: f32,
+) -> Moved {
+    let mut moved = Moved::default();
+    let mut carried = 0.0;
+    // The volume before the present segment.
+    let mut before: Option<(&mut [f32; 4], &Cell)> = None;
+    for (cell, state) in cells.iter().zip(states) {
+        let [_, _, _, _, _, _, _, _, _, w, _, dw, _, first, ..] = *cell;
+        let mut passed = h * (w + (weights[0] * first + weights[1] * dw));
+        let [flow, flow_carry, ..] = state;
+        math::compensated_add(flow, flow_carry, dw);
+        moved.beyond |= math::beyond(*flow, limit);
+        match before {
+            None => moved.taken = passed,
+            Some(([_, _, pressure, carry], volume)) => {
+                let [_, capacity, removal, _, _, _, _, _, _, _, _, _, solved, _, rise, ..] = *volume;
+                if capacity > 0.0 {
+                    let leaving = drain(removal, passed);
+                    moved.drained += leaving;
+                    math::compensated_add(pressure, carry, ((carried - passed) - leaving) * rise);
+                } else {
+                    // Nothing can be stored here, so what came in and was not drained is what goes on.
+                    let leaving = drain(removal, carried / (1.0 + removal));
+                    moved.drained += leaving;
+                    passed = carried - leaving;
+                    math::compensated_add(pressure, carry, solved);
+                }
+            }
+        }
+        carried = passed;
+        before = Some((state, cell));
+    }
+    if let Some((_, [_, _, removal, ..])) = before {
+        let leaving = drain(*removal, carried / (1.0 + removal));
+        moved.drained += leaving;
+        carried -= leaving;
+    }
+    moved.given = carried;
+    moved
+}
+
+/// Mass drained beside `leaves` [kg]: nothing where the flow runs backward.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over segments")]
+fn drain(removal: f32, leaves: f32) -> f32 {
+    if leaves > 0.0 { removal * leaves } else { 0.0 }
 }
