@@ -38,7 +38,7 @@ pub struct Steady {
     pub rate_pa_s: Vec<f64>,
     /// Newton iterations that it took.
     pub iterations: u32,
-    /// What is left unbalanced, as part of the largest pressure difference and of the largest flow [1].
+    /// What is left unbalanced, as part of the pressures and flows that could be there [1].
     pub residual: f64,
 }
 
@@ -133,10 +133,9 @@ impl SteadyError {
         match self {
             Self::Network(error) => format!("the network is wrong: {error:?}"),
             Self::Inputs { needed, given } => format!("{given} input values for {needed} inputs"),
-            Self::Floating { nodes: list } => format!(
-                "nothing fixes the pressure of {}: no volume and no boundary among them",
-                nodes(list)
-            ),
+            Self::Floating { nodes: list } => {
+                format!("nothing fixes the pressure of {}: no volume and no boundary among them", nodes(list))
+            }
             Self::Drained { nodes: list, lines, rate_pa_s } => format!(
                 "no steady state: {} have no boundary and lose mass through {}; their pressures change by \
                  {rate_pa_s:.4} Pa/s for ever",

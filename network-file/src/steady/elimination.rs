@@ -19,21 +19,11 @@ impl<'p> Matrix<'p> {
         Self { tables, entries: vec![0.0; tables.columns.len()] }
     }
 
-    /// Sets every entry to zero.
-    pub(super) fn clear(&mut self) {
-        self.entries.fill(0.0);
-    }
-
     /// Adds to an entry; [`Plan::NOWHERE`] is skipped.
     pub(super) fn add(&mut self, entry: u32, value: f64) {
         if entry != Plan::NOWHERE {
             self.entries[entry as usize] += value;
         }
-    }
-
-    /// Adds to the diagonal of a row.
-    pub(super) fn add_diagonal(&mut self, row: usize, value: f64) {
-        self.entries[self.tables.diagonal[row] as usize] += value;
     }
 
     fn bounds(&self, row: usize) -> std::ops::Range<usize> {

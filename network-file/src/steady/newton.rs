@@ -13,6 +13,8 @@ use crate::plan::PlanTables;
 const MOST: u32 = 400;
 /// Most halvings of one step.
 const HALVINGS: u32 = 8;
+/// Pressure difference below which nothing is told apart [Pa].
+const SMALLEST_SPAN_PA: f64 = 1e-3;
 /// Residual at which there is nothing left to gain.
 const EXACT: f64 = 1e-15;
 /// Largest residual of an answer: a law that follows its flow is known in single precision only.
@@ -29,7 +31,7 @@ struct Point {
     rate: Vec<f64>,
     /// Law of every line at its flow.
     laws: Vec<Characteristic>,
-    /// Largest imbalance as part of the largest pressure difference and flow [1].
+    /// Largest imbalance of any line and node as part of what could be there [1].
     residual: f64,
 }
 
@@ -43,6 +45,11 @@ struct Problem<'n, E> {
     capacity: Vec<f64>,
     /// Closed island of every node, `usize::MAX` for a node of one that is held.
     island: Vec<usize>,
+    /// Largest pressure difference that boundaries and heads can make [Pa].
+    span_pa: f64,
+    /// Flow that it would drive through each line, and through all lines of each node [kg/s].
+    line_kg_s: Vec<f64>,
+    node_kg_s: Vec<f64>,
 }
 
 /// Finds the steady flows.
@@ -88,20 +95,16 @@ impl<'n, E: Element> Problem<'n, E> {
         }
         let tables = PlanTables::new(&nodes, network.lines);
         let capacity = network.nodes.iter().map(capacity).collect();
-        Self { network, inputs, islands, tables, capacity, island }
+        let (span_pa, line_kg_s, node_kg_s) = scales(network, inputs);
+        Self { network, inputs, islands, tables, capacity, island, span_pa, line_kg_s, node_kg_s }
     }
 
     /// Start values: pressures as they are, flows as large as any pressure difference could make them, because
     /// Newton's method for a root comes down on it from above.
     fn start(&self) -> Point {
-        let gauge: Vec<f64> = self.network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
-        let laws: Vec<_> = self.network.lines.iter().map(|line| self.law(line, 1e-3)).collect();
-        let held = self.network.nodes.iter().zip(&gauge).filter(|(node, _)| node.kind == NodeKind::Boundary);
-        let range = held.fold((f64::MAX, f64::MIN), |(low, high), (_, &gauge)| (low.min(gauge), high.max(gauge)));
-        let span = (range.1 - range.0).max(0.0) + laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
-        let flow = laws.iter().map(|law| law.driven(span.max(1.0) - law.head)).collect();
+        let gauge = self.network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
         let rate = vec![0.0; self.islands.closed.len()];
-        self.at(gauge, flow, rate)
+        self.at(gauge, self.line_kg_s.clone(), rate)
     }
 
     fn law(&self, line: &Line, w: f64) -> Characteristic {
@@ -116,18 +119,19 @@ impl<'n, E: Element> Problem<'n, E> {
     fn at(&self, gauge: Vec<f64>, flow: Vec<f64>, rate: Vec<f64>) -> Point {
         let laws: Vec<_> = self.network.lines.iter().zip(&flow).map(|(line, &w)| self.law(line, w)).collect();
         let mut net = self.stored(&rate);
-        let (mut imbalance, mut difference, mut largest) = (0.0f64, f64::MIN_POSITIVE, f64::MIN_POSITIVE);
+        let mut imbalance = 0.0f64;
         for ((line, law), &w) in self.network.lines.iter().zip(&laws).zip(&flow) {
             let drop = Self::drop_pa(line, &gauge);
             imbalance = worse(imbalance, (drop - law.loss(w)).abs());
-            difference = difference.max(drop.abs()).max(law.head.abs());
-            largest = largest.max(w.abs());
             net[line.from as usize] -= law.inlet * w;
             net[line.to as usize] += law.outlet * w;
         }
-        let unknown = self.network.nodes.iter().zip(&net).filter(|(node, _)| node.kind != NodeKind::Boundary);
-        let unbalanced = unknown.fold(0.0, |worst, (_, net)| worse(worst, net.abs()));
-        let residual = worse(imbalance / difference, unbalanced / largest);
+        let mut residual = imbalance / self.span_pa;
+        for ((node, net), scale) in self.network.nodes.iter().zip(&net).zip(&self.node_kg_s) {
+            if node.kind != NodeKind::Boundary {
+                residual = worse(residual, net.abs() / scale);
+            }
+        }
         Point { gauge, flow, rate, laws, residual }
     }
 
@@ -146,11 +150,8 @@ impl<'n, E: Element> Problem<'n, E> {
             let toward = |from: &[f64], to: &[f64]| -> Vec<f64> {
                 from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
             };
-            let trial = self.at(
-                toward(&point.gauge, &gauge),
-                toward(&point.flow, &flow),
-                toward(&point.rate, &rate),
-            );
+            let trial =
+                self.at(toward(&point.gauge, &gauge), toward(&point.flow, &flow), toward(&point.rate, &rate));
             let better = best.as_ref().is_none_or(|best| trial.residual < best.residual);
             if better {
                 best = Some(trial);
@@ -221,7 +222,8 @@ impl<'n, E: Element> Problem<'n, E> {
             let pinned = closed.pinned;
             // Net inflow of the pinned node with the rate at 0, and how much of it every unit of rate costs.
             let (mut net, mut cost) = (0.0, self.capacity_of(pinned));
-            let moved = |node: u32, list: &[f64]| list.get(self.tables.row_of[node as usize] as usize).copied();
+            let moved =
+                |node: u32, list: &[f64]| list.get(self.tables.row_of[node as usize] as usize).copied();
             for ((line, law), &(b, ahead)) in self.network.lines.iter().zip(&point.laws).zip(lines) {
                 let change = |list: &[f64]| {
                     b * (moved(line.from, list).unwrap_or(0.0) - moved(line.to, list).unwrap_or(0.0))
@@ -256,7 +258,8 @@ impl<'n, E: Element> Problem<'n, E> {
             let (mut mass, mut capacity) = (0.0, 0.0);
             for &node in &closed.nodes {
                 let node = node as usize;
-                mass += self.capacity[node] * (point.gauge[node] - f64::from(self.network.nodes[node].start_gauge_pa));
+                mass += self.capacity[node]
+                    * (point.gauge[node] - f64::from(self.network.nodes[node].start_gauge_pa));
                 capacity += self.capacity[node];
             }
             for &node in &closed.nodes {
@@ -275,6 +278,26 @@ impl<'n, E: Element> Problem<'n, E> {
         let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;
         Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations, residual })
     }
+}
+
+/// Span of pressures, and the flows that it would drive: what imbalances are measured by.
+fn scales<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> (f64, Vec<f64>, Vec<f64>) {
+    let laws: Vec<_> =
+        network.lines.iter().map(|line| Characteristic::at(network, inputs, line, 1e-3)).collect();
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    for node in network.nodes.iter().filter(|node| node.kind == NodeKind::Boundary) {
+        low = low.min(f64::from(node.start_gauge_pa));
+        high = high.max(f64::from(node.start_gauge_pa));
+    }
+    let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
+    let span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
+    let line_kg_s: Vec<f64> = laws.iter().map(|law| law.driven(span_pa - law.head)).collect();
+    let mut node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
+    for (line, flow) in network.lines.iter().zip(&line_kg_s) {
+        node_kg_s[line.from as usize] += flow;
+        node_kg_s[line.to as usize] += flow;
+    }
+    (span_pa, line_kg_s, node_kg_s)
 }
 
 /// The larger of two sizes; NaN where one is.

@@ -98,7 +98,10 @@ fn the_papers_loop_flows_steadily_while_its_cabin_loses_condensate() {
         ..crate::Names::default()
     };
     let text = refused.text(&names);
-    assert!(text.contains("`cabin`") && text.contains("`loop`") && text.contains("no steady state"), "{text}");
+    assert!(
+        text.contains("`cabin`") && text.contains("`loop`") && text.contains("no steady state"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -172,7 +175,8 @@ fn a_drain_takes_its_share_on_the_way_to_a_boundary() {
     let mut tables = Tables::default();
     let (high, low) = (tables.node(NodeKind::Boundary, 0.0), tables.node(NodeKind::Boundary, 0.0));
     let middle = tables.node(NodeKind::Junction, 0.0);
-    let dryer = HeatExchanger { resistance_pa_s2_kg2: 500.0, liquid_fraction: 0.25, separator_efficiency: 1.0 };
+    let dryer =
+        HeatExchanger { resistance_pa_s2_kg2: 500.0, liquid_fraction: 0.25, separator_efficiency: 1.0 };
     tables.line(high, middle, &[fan(100.0), StdElement::HeatExchanger(dryer)]);
     tables.line(middle, low, &[pipe(200.0)]);
     let found = tables.steady().unwrap();
@@ -222,7 +226,13 @@ fn fans_without_a_loss_are_refused() {
     let nodes = [held, held, Node { kind: NodeKind::Junction, ..held }];
     let segment = |_| Segment { element: Ideal, inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 0 };
     let segments = [0, 1].map(segment);
-    let line = |index| Line { from: index, to: 2, first_segment: index, segments: 1, ..example::paper_loop().lines[0] };
+    let line = |index| Line {
+        from: index,
+        to: 2,
+        first_segment: index,
+        segments: 1,
+        ..example::paper_loop().lines[0]
+    };
     let lines = [0, 1].map(|index| Line { flow_segment: 0, ..line(index) });
     let active = [0, 1].map(|index| Active { segment: index, line: index });
     let network = Network {

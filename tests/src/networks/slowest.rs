@@ -1,0 +1,157 @@
+//! How long a network takes to settle: its slowest time constant from the linearised equations.
+//!
+//! Nodes with capacities C joined by conductances S decay as `C·dp/dt = −K·p`; the slowest time constant is the
+//! largest eigenvalue of `K⁻¹·C`, a matrix without a negative entry, found by iteration. Conductances are taken
+//! twice, at the steady state and as the chord to the farthest that a line can be away from it, and the slower
+//! result counts. `adaptive` slows a node of small volume to C/φ.
+
+use eclss_core::{Element, Line, Network, NodeKind};
+use eclss_network_file::steady::Steady;
+use nalgebra::{DMatrix, DVector};
+
+/// What stores in a network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Storage {
+    /// Nodes, slowed by the operator at this step [s]; lines hold nothing.
+    Slowed(f64),
+    /// Nodes, volumes inside lines, and inertances.
+    Whole,
+}
+
+/// Safety factor of the operator.
+const THETA: f64 = 0.8;
+
+/// Loss of a line near rest and at flow: `R·w·max(|w|, w_lin) + L·w`.
+pub(super) struct Loss {
+    quadratic: f64,
+    linear: f64,
+    laminar: f64,
+    head: f64,
+}
+
+impl Loss {
+    pub(super) fn of(network: &Network<'_>, line: &Line, w: f64) -> Self {
+        let mut loss = Self { quadratic: 0.0, linear: 0.0, laminar: 0.0, head: 0.0 };
+        for segment in network.segments_of(line) {
+            let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+            let at = eclss_core::Operating { inputs, mass_flow_kg_s: w as f32, density_ratio: 1.0 };
+            let law = segment.element.law(&at);
+            loss.quadratic += f64::from(law.resistance);
+            loss.linear += f64::from(law.linear);
+            loss.head += f64::from(law.head);
+        }
+        loss.laminar = (f64::from(line.laminar_below_pa) / loss.quadratic).sqrt();
+        loss
+    }
+
+    fn flow(&self, drop_pa: f64) -> f64 {
+        let y = drop_pa + self.head;
+        let laminar = y / (self.quadratic * self.laminar + self.linear);
+        if laminar.abs() < self.laminar {
+            return laminar;
+        }
+        2.0 * y / (self.linear + (self.linear * self.linear + 4.0 * self.quadratic * y.abs()).sqrt())
+    }
+
+    /// Difference between the pressures that drive two flows [Pa].
+    pub(super) fn apart_pa(&self, one: f64, other: f64) -> f64 {
+        let loss = |w: f64| self.quadratic * w * w.abs().max(self.laminar) + self.linear * w;
+        (loss(one) - loss(other)).abs()
+    }
+
+    fn slope(&self, w: f64) -> f64 {
+        self.quadratic * if w.abs() > self.laminar { 2.0 * w.abs() } else { self.laminar } + self.linear
+    }
+
+    /// w/y, what the operator looks at.
+    fn secant(&self, w: f64) -> f64 {
+        1.0 / (self.quadratic * w.abs().max(self.laminar) + self.linear)
+    }
+}
+
+/// Returns the slowest time constant [s] on the way from the network's start to `target`.
+pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage) -> f64 {
+    let away = network.nodes.iter().zip(&target.gauge_pa).filter(|(node, _)| node.kind != NodeKind::Boundary);
+    let away = away.map(|(node, gauge)| (f64::from(node.start_gauge_pa) - gauge).abs()).fold(0.0, f64::max);
+    let losses: Vec<_> =
+        network.lines.iter().zip(&target.flow_kg_s).map(|(line, &w)| Loss::of(network, line, w)).collect();
+    let mut near = Vec::new();
+    let mut far = Vec::new();
+    let mut secants = vec![0.0; network.nodes.len()];
+    let mut columns_s = 0.0f64;
+    for ((line, loss), &w) in network.lines.iter().zip(&losses).zip(&target.flow_kg_s) {
+        let drop = target.gauge_pa[line.from as usize] - target.gauge_pa[line.to as usize];
+        let chord = |by: f64| if by.abs() > 0.0 { (loss.flow(drop + by) - w) / by } else { f64::MAX };
+        near.push(1.0 / loss.slope(w));
+        far.push(chord(2.0 * away).min(chord(-2.0 * away)).min(1.0 / loss.slope(w)));
+        secants[line.from as usize] += loss.secant(w);
+        secants[line.to as usize] += loss.secant(w);
+        let inertance: f64 = network.segments_of(line).iter().map(|s| f64::from(s.inertance_per_m)).sum();
+        columns_s = columns_s.max(2.0 * inertance / loss.slope(w));
+    }
+    let capacities = capacities(network, storage, &secants);
+    let nodes = slowest(network, &capacities, &near).max(slowest(network, &capacities, &far));
+    if storage == Storage::Whole { nodes.max(columns_s) } else { nodes }
+}
+
+fn capacities(network: &Network<'_>, storage: Storage, secants: &[f64]) -> Vec<f64> {
+    let gas = |temperature: f32| 287.05 * f64::from(temperature);
+    let of = |(node, secant): (&eclss_core::Node, &f64)| match (node.kind, storage) {
+        (NodeKind::Cabin { volume_m3 }, Storage::Whole) => f64::from(volume_m3) / gas(node.temperature_k),
+        (NodeKind::Cabin { volume_m3 }, Storage::Slowed(step_s)) => {
+            (f64::from(volume_m3) / gas(node.temperature_k)).max(step_s * secant / THETA)
+        }
+        _ => 0.0,
+    };
+    let mut capacities: Vec<f64> = network.nodes.iter().zip(secants).map(of).collect();
+    if storage == Storage::Whole {
+        // A volume inside a line is filled through less of the line than either of its nodes is.
+        for line in network.lines {
+            let inside: f64 = network.segments_of(line).iter().map(|s| f64::from(s.outlet_volume_m3)).sum();
+            for node in [line.from as usize, line.to as usize] {
+                capacities[node] += inside / gas(network.nodes[node].temperature_k);
+            }
+        }
+    }
+    capacities
+}
+
+/// Largest eigenvalue of K⁻¹·C; the largest volume of a network without boundary is taken as held.
+fn slowest(network: &Network<'_>, capacities: &[f64], conductances: &[f64]) -> f64 {
+    let mut held: Vec<bool> = network.nodes.iter().map(|node| node.kind == NodeKind::Boundary).collect();
+    if !held.contains(&true) {
+        let largest = (0..held.len()).max_by(|&a, &b| capacities[a].total_cmp(&capacities[b]));
+        held[largest.unwrap_or(0)] = true;
+    }
+    let rows: Vec<usize> = (0..held.len()).filter(|&node| !held[node]).collect();
+    if rows.is_empty() {
+        return 0.0;
+    }
+    let row_of = |node: u32| rows.binary_search(&(node as usize)).ok();
+    let mut matrix = DMatrix::<f64>::zeros(rows.len(), rows.len());
+    for (line, &conductance) in
+        network.lines.iter().zip(conductances).filter(|(line, _)| line.from != line.to)
+    {
+        let (from, to) = (row_of(line.from), row_of(line.to));
+        for end in [from, to].into_iter().flatten() {
+            matrix[(end, end)] += conductance;
+        }
+        if let (Some(from), Some(to)) = (from, to) {
+            matrix[(from, to)] -= conductance;
+            matrix[(to, from)] -= conductance;
+        }
+    }
+    let factors = matrix.lu();
+    let mut shape = DVector::from_element(rows.len(), 1.0);
+    let mut slowest = 0.0;
+    for _ in 0..60 {
+        let stored = DVector::from_fn(rows.len(), |row, _| capacities[rows[row]] * shape[row]);
+        let Some(next) = factors.solve(&stored) else { return f64::INFINITY };
+        slowest = next.amax();
+        if slowest <= 0.0 || slowest.is_nan() {
+            return slowest;
+        }
+        shape = next / slowest;
+    }
+    slowest
+}
