@@ -86,30 +86,35 @@ impl FlowRow {
         self.step * (self.slope * self.own + self.own_linear)
     }
 
-    /// Returns the margin of this line with the φ that its step used.
+    /// Returns the margin of this line for any φ, also for none (φ = 1 whatever the stiffness).
     #[inline]
     pub fn margin(&self, phi: f32) -> Margin {
+        let overshoot = self.step * phi * (self.slope * self.own + self.own_linear) - 1.0;
+        // With φ the flow row lands on the centre; what is left there is rounding.
+        if phi >= 1.0 && overshoot > 0.0 {
+            let bound = self.bound_beyond_centre(overshoot, phi * self.slope * self.others);
+            return Margin { phi, spectral_bound: bound, proof: Proof::None };
+        }
+        self.margin_with_phi(phi)
+    }
+
+    /// Returns the margin of this line with the φ of [`phi`], which keeps the flow row from overshooting.
+    #[inline]
+    pub fn margin_with_phi(&self, phi: f32) -> Margin {
         let own = phi * (self.slope * self.own + self.own_linear);
         let others = phi * self.slope * self.others;
-        let overshoot = self.step * own - 1.0;
-        // With φ the flow row lands on the centre; what is left there is rounding.
-        let (bound, proof) = if phi >= 1.0 && overshoot > 0.0 {
-            (self.bound_beyond_centre(overshoot, others), Proof::None)
-        } else {
-            let proof = if own >= others {
-                Proof::Dominant
-            } else if self.stiffness() < 0.5 {
-                Proof::ShortStep
-            } else {
-                Proof::None
-            };
-            // Bernoulli's inequality needs the largest power where rows shrink and the smallest where they grow.
-            let power = if own >= others { self.rows } else { 1.0 };
-            let (sum, difference) = (1.0 + power * own, 1.0 - power * own);
-            let root = math::sqrt(difference * difference + 4.0 * power * others);
-            (1.0 - self.step * (2.0 * (own - others) / (sum + root)), proof)
+        let dominant = own >= others;
+        // Bernoulli's inequality needs the largest power where rows shrink and the smallest where they grow.
+        let power = if dominant { self.rows } else { 1.0 };
+        let (sum, difference) = (1.0 + power * own, 1.0 - power * own);
+        let root = math::sqrt(difference * difference + 4.0 * power * others);
+        let spectral_bound = 1.0 - self.step * (2.0 * (own - others) / (sum + root));
+        let proof = match (dominant, self.stiffness() < 0.5) {
+            (true, _) => Proof::Dominant,
+            (false, true) => Proof::ShortStep,
+            (false, false) => Proof::None,
         };
-        Margin { phi, spectral_bound: bound, proof }
+        Margin { phi, spectral_bound, proof }
     }
 
     /// Bound where the flow row alone overshoots, which only happens without φ: rows are scaled so that each

@@ -89,8 +89,9 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
         NetworkError::SegmentRange(index) | NetworkError::FlowSegment(index) => {
             (format!("line[{index}]"), &[], format!("internal: {error:?}"))
         }
-        NetworkError::Plan(_) => (String::new(), &["line"], format!("internal: {error:?}")),
-        NetworkError::ActiveList => (String::new(), &["line"], format!("internal: {error:?}")),
+        NetworkError::ActiveList | NetworkError::Plan(_) => {
+            (String::new(), &["line"], format!("internal: {error:?}"))
+        }
     };
     notes.refuse_at(&path, keys, reason);
 }

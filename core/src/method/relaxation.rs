@@ -20,9 +20,9 @@ use crate::operator::{self, FlowRow, Margin};
 use crate::simulator::{Fault, Place};
 use crate::{Line, Method, MethodError, Network, Segment, math};
 
-/// Figures that a step keeps for a line: ΣR of its rows, constant and active; ΣR of the flow row, constant
-/// (forward, reverse), active, and linear; head of the flow row, constant and active; ratio of inlet and of
-/// outlet flow to the line's.
+/// Figures that a step keeps for a line: ΣR of its rows, the constant part and all of it; ΣR of the flow row, the
+/// constant part (forward, reverse) and all of it, and ΣL; head of the flow row, the constant part and all of it;
+/// ratio of inlet and of outlet flow to the line's.
 const LINE_FIGURES: usize = 10;
 
 /// Smallest flow at which a linear loss is turned into a quadratic one [kg/s].
@@ -85,12 +85,11 @@ struct Work<'w> {
     per_mass: &'w mut [f32],
     /// Sums over each line's segments.
     lines: &'w mut [[f32; LINE_FIGURES]],
-    /// Resistance of each row.
-    resistance: &'w mut [f32],
+    /// Resistance of each row as the line's own flow meets it: forward, `R·m²`, and reverse, R.
+    forward: &'w mut [f32],
+    reverse: &'w mut [f32],
     /// Head of each row.
     head: &'w mut [f32],
-    /// `m_i² − 1` of each row.
-    excess: &'w mut [f32],
     /// `m_i` of each row.
     ratio: &'w mut [f32],
 }
@@ -101,8 +100,8 @@ impl<'w> Work<'w> {
         let cut = &mut Cut(buffer);
         let (pressure, per_mass) = (cut.take(nodes), cut.take(nodes));
         let lines = cut.take_rows(network.lines.len());
-        let (resistance, head, excess) = (cut.take(segments), cut.take(segments), cut.take(segments));
-        Self { pressure, per_mass, lines, resistance, head, excess, ratio: cut.take(segments) }
+        let (forward, reverse, head) = (cut.take(segments), cut.take(segments), cut.take(segments));
+        Self { pressure, per_mass, lines, forward, reverse, head, ratio: cut.take(segments) }
     }
 }
 
@@ -126,26 +125,28 @@ pub(crate) fn start<E: Element>(
         let [rows_sum, _, fold, fold_plain, _, _, fold_head, _, inlet, outlet] = figures;
         *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
             let place = line.first_segment as usize + index;
-            let excess = ratio * ratio - 1.0;
-            if let (Some(slot), Some(own)) = (work.excess.get_mut(place), work.ratio.get_mut(place)) {
-                (*slot, *own) = (excess, ratio);
-            }
+            let square = ratio * ratio;
             if index == 0 {
                 *inlet = ratio;
             }
+            let (Some(forward), Some(reverse), Some(head), Some(own)) = (
+                work.forward.get_mut(place),
+                work.reverse.get_mut(place),
+                work.head.get_mut(place),
+                work.ratio.get_mut(place),
+            ) else {
+                return;
+            };
+            *own = ratio;
             if segment.element.is_active() {
                 return;
             }
             let law = segment.element.law(&operating(segment, inputs, 0.0));
             if index < line.flow_segment as usize {
-                *rows_sum += law.resistance * (1.0 + excess);
-                if let (Some(resistance), Some(head)) =
-                    (work.resistance.get_mut(place), work.head.get_mut(place))
-                {
-                    (*resistance, *head) = (law.resistance, law.head);
-                }
+                (*forward, *reverse, *head) = (law.resistance * square, law.resistance, law.head);
+                *rows_sum += *forward;
             } else {
-                *fold += law.resistance * (1.0 + excess);
+                *fold += law.resistance * square;
                 *fold_plain += law.resistance;
                 *fold_head += law.head;
             }
@@ -175,7 +176,8 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let mut margin = Margin::FREE;
     let mut place = None;
     for (index, line) in (0u32..).zip(network.lines) {
-        margin = margin.with(step_line(index as usize, line, h, stabilised, &mut state, &mut work));
+        let own = step_line(index as usize, line, h, stabilised, &mut state, &mut work);
+        margin = if index == 0 { own } else { margin.with(own) };
         if state
             .common
             .lines
@@ -205,8 +207,10 @@ fn refresh<E: Element, const UNROLL: bool>(
     state: &State<'_>,
     work: &mut Work<'_>,
 ) {
-    for [_, rows, _, _, fold, linear, _, head, _, _] in work.lines.iter_mut() {
-        (*rows, *fold, *linear, *head) = (0.0, 0.0, 0.0, 0.0);
+    for (figures, [w, ..]) in work.lines.iter_mut().zip(state.common.lines.iter()) {
+        let [rows_sum, rows, forward, reverse, fold, linear, fold_head, head, _, _] = figures;
+        (*rows, *linear, *head) = (*rows_sum, 0.0, *fold_head);
+        *fold = if *w > 0.0 { *forward } else { *reverse };
     }
     if UNROLL {
         for (index, line) in network.lines.iter().enumerate() {
@@ -237,10 +241,11 @@ fn refresh_one<E: Element>(
     state: &State<'_>,
     work: &mut Work<'_>,
 ) {
-    let (Some(figures), Some(&[w, ..]), Some(resistance), Some(head), Some(&own)) = (
+    let (Some(figures), Some(&[w, ..]), Some(forward), Some(reverse), Some(head), Some(&own)) = (
         work.lines.get_mut(index),
         state.common.lines.get(index),
-        work.resistance.get_mut(place),
+        work.forward.get_mut(place),
+        work.reverse.get_mut(place),
         work.head.get_mut(place),
         work.ratio.get(place),
     ) else {
@@ -248,18 +253,18 @@ fn refresh_one<E: Element>(
     };
     // Nothing is drained from reversed flow.
     let ratio = if w > 0.0 { own } else { 1.0 };
-    let square = ratio * ratio;
     let law = segment.element.law(&operating(segment, inputs, ratio * w));
     let [_, rows, _, _, fold, linear, _, fold_head, _, _] = figures;
     if place < (line.first_segment + line.flow_segment) as usize {
-        *resistance = law.resistance;
+        *reverse = law.resistance;
         if law.linear > 0.0 {
-            *resistance += law.linear / math::larger(ratio * w.abs(), SMALLEST_FLOW);
+            *reverse += law.linear / math::larger(ratio * w.abs(), SMALLEST_FLOW);
         }
+        *forward = *reverse * (own * own);
         *head = law.head;
-        *rows += *resistance * square;
+        *rows += *forward;
     } else {
-        *fold += law.resistance * square;
+        *fold += law.resistance * (ratio * ratio);
         *linear += law.linear * ratio;
         *fold_head += law.head;
     }
@@ -287,47 +292,44 @@ fn step_line(
     ) else {
         return Margin::FREE;
     };
-    let (Some(gauge), Some(carry), Some(resistance), Some(head), Some(excess)) = (
+    let w = *flow;
+    let resistance = if w > 0.0 { &work.forward } else { &work.reverse };
+    let (Some(gauge), Some(carry), Some(resistance), Some(head)) = (
         state.gauge.get_mut(rows.clone()),
         state.gauge_carry.get_mut(rows.clone()),
-        work.resistance.get(rows.clone()),
-        work.head.get(rows.clone()),
-        work.excess.get(rows),
+        resistance.get(rows.clone()),
+        work.head.get(rows),
     ) else {
         return Margin::FREE;
     };
-    let w = *flow;
-    let forward = w > 0.0;
-    let others = figures[0] + figures[1];
-    let folded = if forward { figures[2] } else { figures[3] } + figures[4];
-    let linear = figures[5];
+    let &[_, others, _, _, folded, linear, _, fold_head, inlet, outlet] = figures;
 
     // w|w|, linear below the flow at which the whole line's loss is `laminar_below_pa`
-    let laminar =
-        if line.laminar_below_pa > 0.0 { math::sqrt(line.laminar_below_pa / (others + folded)) } else { 0.0 };
-    let size = math::larger(w.abs(), laminar);
+    let (mut size, mut slope) = (w.abs(), 2.0 * w.abs());
+    if line.laminar_below_pa > 0.0 {
+        let laminar = math::sqrt(line.laminar_below_pa / (others + folded));
+        if size < laminar {
+            (size, slope) = (laminar, laminar);
+        }
+    }
     let square = w * size;
-    let square_forward = if forward { square } else { 0.0 };
 
     let mut before = 0.0;
-    let coefficients = resistance.iter().zip(head).zip(excess);
-    for ((q, c), ((&r, &f), &x)) in gauge.iter_mut().zip(carry).zip(coefficients) {
-        let rate = before - *q + f - r * (square + x * square_forward);
+    for ((q, c), (&r, &f)) in gauge.iter_mut().zip(carry).zip(resistance.iter().zip(head)) {
+        let rate = before - *q + f - r * square;
         before = *q;
         math::compensated_add(q, c, h * rate);
     }
 
-    let slope = if w.abs() < laminar { laminar } else { 2.0 * size };
     let rows = line.flow_segment as f32;
     let row = FlowRow { step: h, slope, own: folded, own_linear: linear, others, rows };
     let phi = if stabilised { operator::phi(row.stiffness()) } else { 1.0 };
-    let driving = before + (p_from - p_to) + (figures[6] + figures[7]);
+    let driving = before + (p_from - p_to) + fold_head;
     math::compensated_add(flow, flow_carry, h * phi * (driving - (folded * square + linear * w)));
 
     // Each transfer is rounded once; taken − given is exact because the two are within a factor of two.
     let passed = h * *flow;
-    let (taken, given) =
-        if *flow > 0.0 { (figures[8] * passed, figures[9] * passed) } else { (passed, passed) };
+    let (taken, given) = if *flow > 0.0 { (inlet * passed, outlet * passed) } else { (passed, passed) };
     common::transfer(&mut state.common, index, line, taken, given, taken - given);
-    row.margin(phi)
+    if stabilised { row.margin_with_phi(phi) } else { row.margin(phi) }
 }
