@@ -125,7 +125,7 @@ impl Drawn {
             let slot = segment.first_input as usize;
             match segment.element {
                 StdElement::Valve(_) if dice.chance(0.7) => {
-                    inputs[slot] = f32::from(u8::from(dice.chance(0.5)))
+                    inputs[slot] = f32::from(u8::from(dice.chance(0.5)));
                 }
                 StdElement::Valve(_) => inputs[slot] = dice.unit() as f32,
                 StdElement::Fan(_) | StdElement::Pump(_) => inputs[slot] = dice.between(0.0, 1.5) as f32,
