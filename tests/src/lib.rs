@@ -9,6 +9,7 @@
 pub mod dice;
 pub mod laws;
 pub mod model;
+pub mod networks;
 pub mod paper;
 pub mod physical;
 pub mod product;
