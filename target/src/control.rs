@@ -54,7 +54,7 @@ pub enum Event {
     Status {
         /// Timing.
         account: Account,
-        /// The first outputs; zeros where there are fewer.
+        /// The first outputs; NaN where there are fewer.
         outputs: [f32; SHOWN_OUTPUTS],
         /// Whether outputs are safe.
         safe: bool,
@@ -79,6 +79,8 @@ pub enum Event {
         account: Account,
         /// Hash over the plant's state.
         state_hash: u64,
+        /// Hash over its integrated values alone.
+        values_hash: u64,
         /// Whether outputs are safe.
         safe: bool,
     },
@@ -140,7 +142,12 @@ pub async fn run<B: Board, P: Plant>(
         }
     }
     board.safe_outputs();
-    tell(Event::Ended { account, state_hash: plant.state_hash(), safe: safe.is_some() });
+    tell(Event::Ended {
+        account,
+        state_hash: plant.state_hash(),
+        values_hash: plant.values_hash(),
+        safe: safe.is_some(),
+    });
 }
 
 /// Whether timing alone is reason enough to go safe.
@@ -154,7 +161,7 @@ fn judge(account: &Account, settings: &Settings) -> Option<Cause> {
 }
 
 fn first(outputs: &[f32]) -> [f32; SHOWN_OUTPUTS] {
-    core::array::from_fn(|i| outputs.get(i).copied().unwrap_or(0.0))
+    core::array::from_fn(|i| outputs.get(i).copied().unwrap_or(f32::NAN))
 }
 
 #[cfg(test)]
@@ -226,6 +233,9 @@ mod tests {
         }
         fn state_hash(&self) -> u64 {
             self.steps[0].to_bits().into()
+        }
+        fn values_hash(&self) -> u64 {
+            self.state_hash()
         }
     }
 

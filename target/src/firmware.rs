@@ -3,7 +3,7 @@
 
 use crate::board::Board;
 use crate::control::{self, Event, Settings};
-use crate::journal;
+use crate::journal::{self, Journal};
 use crate::plant::Plant;
 use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -20,13 +20,28 @@ pub type Teller = Producer<'static, Event>;
 /// The logging end of the queue.
 pub struct Listener {
     events: Consumer<'static, Event>,
+    journal: Journal,
 }
 
-/// Creates the queue; once per run.
-pub fn events() -> (Teller, Listener) {
+/// What a listener has heard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// Nothing that the caller must know.
+    Nothing,
+    /// The account of another interval: the time to look at what costs time, such as the stack.
+    Status,
+    /// The loop has ended, well or not.
+    Ended {
+        /// Whether it was never safe and no event was lost.
+        well: bool,
+    },
+}
+
+/// Creates the queue, whose events go into this journal; once per run.
+pub fn events(journal: Journal) -> (Teller, Listener) {
     static QUEUE: StaticCell<Queue<Event, EVENTS>> = StaticCell::new();
     let (teller, events) = QUEUE.init(Queue::new()).split();
-    (teller, Listener { events })
+    (teller, Listener { events, journal })
 }
 
 /// The loop, telling through the queue. Each board wraps this in its Embassy task.
@@ -40,18 +55,23 @@ pub async fn run<B: Board, P: Plant>(board: &mut B, plant: &mut P, settings: &Se
 }
 
 impl Listener {
-    /// Logs what has been told since the last call. Returns whether the loop ended well, once it has ended.
-    pub fn log(&mut self) -> Option<bool> {
+    /// Logs what has been told since the last call.
+    pub fn log(&mut self) -> Heard {
+        let mut heard = Heard::Nothing;
         while let Some(event) = self.events.dequeue() {
-            journal::event(&event);
-            if let Event::Ended { safe, .. } = event {
-                let lost = LOST.load(Ordering::Relaxed);
-                if lost > 0 {
-                    journal::lost(lost);
+            self.journal.event(&event);
+            match event {
+                Event::Status { .. } => heard = Heard::Status,
+                Event::Ended { safe, .. } => {
+                    let lost = LOST.load(Ordering::Relaxed);
+                    if lost > 0 {
+                        journal::lost(lost);
+                    }
+                    return Heard::Ended { well: !safe && lost == 0 };
                 }
-                return Some(!safe && lost == 0);
+                Event::Overrun { .. } | Event::Safe { .. } => {}
             }
         }
-        None
+        heard
     }
 }

@@ -4,8 +4,10 @@
 
 use crate::account::Spread;
 use crate::board::{Board, ResetReason, StackUse};
-use crate::control::{Cause, Event, Settings};
+use crate::control::{Cause, Event, SHOWN_OUTPUTS, Settings};
+use crate::display;
 use crate::fault::Fault;
+use crate::network::{NetworkPlant, Origin};
 #[cfg(target_os = "none")]
 use defmt::{error, info, warn};
 
@@ -16,69 +18,132 @@ macro_rules! warn { ($($words:tt)*) => { println!("WARN  {}", format_args!($($wo
 #[cfg(not(target_os = "none"))]
 macro_rules! error { ($($words:tt)*) => { println!("ERROR {}", format_args!($($words)*)) }; }
 
-/// Logs what is known before the loop starts.
-pub fn start<B: Board>(board: &B, network_id: u64, settings: &Settings, reason: ResetReason) {
-    info!("board {}, counter {} Hz", board.name(), B::COUNTER_HZ);
-    info!("network {:016x}", network_id);
-    match reason {
-        ResetReason::PowerOn => info!("reset: power-on"),
-        ResetReason::Watchdog => error!("reset: watchdog"),
-        ResetReason::Fault(Fault::Panic { line }) => error!("reset: panic at line {}", line),
-        ResetReason::Fault(Fault::StackOverflow { sp }) => {
-            error!("reset: stack overflow at {:#010x}", sp);
-        }
-        ResetReason::Fault(Fault::HardFault { pc }) => error!("reset: hard fault at {:#010x}", pc),
-        ResetReason::Fault(Fault::UnexpectedInterrupt { number }) => {
-            error!("reset: interrupt {}", number);
-        }
-    }
-    info!("tick {} us", settings.period_us.get());
+/// Writes the log of one run.
+pub struct Journal {
+    /// Names of the lines, where they are known.
+    line_names: &'static [&'static str],
+    /// Counts of the board's counter in a period.
+    period_counts: u32,
+    /// Flows at the last status.
+    flows: [f32; SHOWN_OUTPUTS],
 }
 
-/// Logs an event.
-pub fn event(event: &Event) {
-    match *event {
-        Event::Status { account, outputs, safe } => {
-            info!(
-                "tick {}: {} mHz of {}, lag {} us, safe {}",
-                account.ticks,
-                account.actual_millihertz(),
-                account.target_millihertz(),
-                account.lag_us(),
-                safe
-            );
-            counts("tick", account.tick_counts);
-            counts("step", account.step_counts);
-            let late = account.lateness_us;
-            info!("late {}/{}/{} us", late.min(), late.mean(), late.max());
-            info!("outputs {:?}", outputs);
-        }
-        Event::Overrun { tick, skipped } => warn!("tick {} overran, {} skipped", tick, skipped),
-        Event::Safe { tick, cause } => match cause {
-            Cause::Reset => error!("safe from tick {}: the last run did not end well", tick),
-            Cause::Overruns { in_a_row } => {
-                error!("safe from tick {}: {} overruns in a row", tick, in_a_row);
+impl Journal {
+    /// Logs what is known before the loop starts.
+    pub fn start<B: Board>(
+        board: &B,
+        plant: &NetworkPlant,
+        settings: &Settings,
+        reason: ResetReason,
+    ) -> Self {
+        let period_us = settings.period_us.get();
+        let run = plant.settings();
+        info!("board {}, counter {} Hz", board.name(), B::COUNTER_HZ);
+        info!("network {} {:016x}, {}", plant.name(), plant.network_id(), plant.origin().words());
+        info!("method {}, step {} us", run.method.name(), run.step_us);
+        match reason {
+            ResetReason::PowerOn => info!("reset: power-on"),
+            ResetReason::Watchdog => error!("reset: watchdog"),
+            ResetReason::Fault(Fault::Panic { line }) => error!("reset: panic at line {}", line),
+            ResetReason::Fault(Fault::StackOverflow { sp }) => {
+                error!("reset: stack overflow at {:#010x}", sp);
             }
-            Cause::Lag { lag_us } => error!("safe from tick {}: {} us behind", tick, lag_us),
-            Cause::Plant(fault) => error!("safe from tick {}: {:?} cannot be trusted", tick, fault.place),
-        },
-        Event::Ended { account, state_hash, safe } => {
-            info!(
-                "ended after {} ticks, {} us of plant time in {} us, safe {}",
-                account.ticks,
-                account.plant_us(),
-                account.wall_us(),
-                safe
-            );
-            info!(
-                "overruns {}, {} in start-up, {} in a row, skipped {}",
-                account.overruns,
-                account.startup_overruns,
-                account.worst_consecutive_overruns,
-                account.skipped
-            );
-            info!("state {:016x}", state_hash);
+            ResetReason::Fault(Fault::HardFault { pc }) => error!("reset: hard fault at {:#010x}", pc),
+            ResetReason::Fault(Fault::UnexpectedInterrupt { number }) => {
+                error!("reset: interrupt {}", number);
+            }
         }
+        info!("tick {} us", period_us);
+        let period_counts = u64::from(B::COUNTER_HZ) * u64::from(period_us) / 1_000_000;
+        Self {
+            line_names: plant.line_names(),
+            period_counts: u32::try_from(period_counts).unwrap_or(u32::MAX).max(1),
+            flows: [f32::NAN; SHOWN_OUTPUTS],
+        }
+    }
+
+    /// Logs an event.
+    pub fn event(&mut self, event: &Event) {
+        match *event {
+            Event::Status { account, outputs, safe } => {
+                info!(
+                    "tick {}: {} mHz of {}, lag {} us, safe {}",
+                    account.ticks,
+                    account.actual_millihertz(),
+                    account.target_millihertz(),
+                    account.lag_us(),
+                    safe
+                );
+                self.counts("tick", account.tick_counts);
+                self.counts("step", account.step_counts);
+                let late = account.lateness_us;
+                info!("late {}/{}/{} us", late.min(), late.mean(), late.max());
+                self.flows(outputs);
+            }
+            Event::Overrun { tick, skipped } => warn!("tick {} overran, {} skipped", tick, skipped),
+            Event::Safe { tick, cause } => safe(tick, cause),
+            Event::Ended { account, state_hash, values_hash, safe } => {
+                info!(
+                    "ended after {} ticks, {} us of plant time in {} us, safe {}",
+                    account.ticks,
+                    account.plant_us(),
+                    account.wall_us(),
+                    safe
+                );
+                info!(
+                    "overruns {}, {} in start-up, {} in a row, skipped {}",
+                    account.overruns,
+                    account.startup_overruns,
+                    account.worst_consecutive_overruns,
+                    account.skipped
+                );
+                info!("state {:016x}, values {:016x}", state_hash, values_hash);
+            }
+        }
+    }
+
+    /// Smallest, mean and largest, and the largest as part of the period.
+    fn counts(&self, name: &str, spread: Spread) {
+        let (min, mean, max) = (spread.min(), spread.mean(), spread.max());
+        let share = u64::from(max) * 1_000 / u64::from(self.period_counts);
+        info!("{} {}/{}/{} counts, {} of 1000 of the period", name, min, mean, max, share);
+    }
+
+    /// Flows, and how far the fastest of them has changed since the last status as part of the largest.
+    fn flows(&mut self, flows: [f32; SHOWN_OUTPUTS]) {
+        let (mut largest, mut change) = (0.0_f32, 0.0_f32);
+        for (index, (flow, last)) in
+            flows.into_iter().zip(self.flows).enumerate().filter(|(_, (w, _))| w.is_finite())
+        {
+            match self.line_names.get(index) {
+                Some(name) => info!("flow {} {} kg/s", *name, flow),
+                None => info!("flow of line {} {} kg/s", index, flow),
+            }
+            largest = largest.max(flow.abs());
+            change = change.max((flow - last).abs());
+        }
+        if self.flows[0].is_finite() && largest > 0.0 {
+            info!("change {} dB", display::level_db(change / largest) as i32);
+        }
+        self.flows = flows;
+    }
+}
+
+impl Origin {
+    fn words(self) -> &'static str {
+        match self {
+            Self::CompiledIn => "compiled in",
+            Self::Loaded => "loaded",
+        }
+    }
+}
+
+fn safe(tick: u64, cause: Cause) {
+    match cause {
+        Cause::Reset => error!("safe from tick {}: the last run did not end well", tick),
+        Cause::Overruns { in_a_row } => error!("safe from tick {}: {} overruns in a row", tick, in_a_row),
+        Cause::Lag { lag_us } => error!("safe from tick {}: {} us behind", tick, lag_us),
+        Cause::Plant(fault) => error!("safe from tick {}: {:?} cannot be trusted", tick, fault.place),
     }
 }
 
@@ -90,8 +155,4 @@ pub fn stack(stack: StackUse) {
 /// Logs events that had no room in the queue.
 pub fn lost(events: u32) {
     warn!("{} events lost", events);
-}
-
-fn counts(name: &str, spread: Spread) {
-    info!("{} {}/{}/{} counts", name, spread.min(), spread.mean(), spread.max());
 }

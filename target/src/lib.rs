@@ -8,11 +8,17 @@ pub mod account;
 pub mod board;
 pub mod boards;
 pub mod control;
+pub mod display;
 pub mod fault;
 pub mod firmware;
+#[cfg(not(target_os = "none"))]
+pub mod fit;
+pub mod image;
 pub mod journal;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", any(feature = "mps2", feature = "nucleo-h743zi2")))]
 pub mod machine;
+#[cfg(all(target_os = "none", feature = "measure"))]
+pub mod measure;
 pub mod network;
 pub mod plant;
 pub mod schedule;

@@ -1,36 +1,143 @@
-//! The network that is compiled in, as a plant.
+//! The networks that a board runs: the one that is compiled in, and one that is loaded at run time.
 
 use crate::control::SHOWN_OUTPUTS;
 use crate::plant::{Plant, Untrusted};
-use core::num::NonZeroU32;
-use eclss_core::{Health, Method, Network, Settings, Simulator, Storage, example};
-use static_cell::StaticCell;
+use eclss_core::{
+    BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, Settings, Simulator, Storage,
+};
+use static_cell::ConstStaticCell;
 
-/// The simulator and its process image.
+/// The compiled-in network's tables, generated from its file.
+#[allow(clippy::unreadable_literal, clippy::excessive_precision, reason = "generated")]
+#[allow(missing_docs, dead_code, unreachable_pub, reason = "generated")]
+pub(crate) mod table {
+    include!(concat!(env!("OUT_DIR"), "/network.rs"));
+}
+
+/// Most segments for which the step is specialised at compile time; beyond, code would grow with the network.
+const SPECIALISED_UP_TO: usize = 64;
+const SPECIALISED: bool = table::SEGMENTS.len() <= SPECIALISED_UP_TO;
+
+// The build counted bytes on the host to see whether the network fits; here the board's compiler counts them.
+const _: () = {
+    let network = table::Configured::NETWORK;
+    let plan = network.plan;
+    let words = plan.end_start.len()
+        + plan.ends.len()
+        + plan.order.len()
+        + plan.row_start.len()
+        + plan.columns.len()
+        + plan.diagonal.len()
+        + plan.row_of.len()
+        + 4 * plan.stamps.len()
+        + network.inputs.len();
+    let bytes = size_of_val(network.nodes)
+        + size_of_val(network.lines)
+        + size_of_val(network.segments)
+        + size_of_val(network.active)
+        + size_of_val(network.schedules)
+        + size_of_val(network.points)
+        + size_of::<u32>() * words;
+    assert!(bytes == table::FLASH_BYTES);
+};
+
+/// Where a network came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Constants of this build.
+    CompiledIn,
+    /// An image or a file, read at start-up.
+    Loaded,
+}
+
+/// How the step runs; the bits are the same.
+enum Stepper {
+    Specialised(CompiledSimulator<'static, table::Configured>),
+    General(Simulator<'static>),
+}
+
+/// A network and its process image.
 pub struct NetworkPlant {
-    simulator: Simulator<'static>,
+    stepper: Stepper,
+    origin: Origin,
+    name: &'static str,
+    line_names: &'static [&'static str],
     /// Mass flows of the first lines \[kg/s\].
     flows_kg_s: [f32; SHOWN_OUTPUTS],
 }
 
-/// Builds the plant with one step per tick of `period_us` \[µs\]. To be called once.
+/// Builds the plant from the network that is compiled in, with its file's method and step. To be called once.
 ///
 /// # Panics
-/// When the network does not fit the method or the storage: then there is nothing to run.
-pub fn plant(period_us: NonZeroU32) -> NetworkPlant {
-    static NETWORK: StaticCell<Network<'static>> = StaticCell::new();
-    static STORAGE: StaticCell<Storage<128, 128, 16, 8>> = StaticCell::new();
-    let network = NETWORK.init(example::paper_loop());
-    let storage = STORAGE.init(Storage::new());
-    let settings = Settings { method: Method::Relaxation, step_us: period_us.get() };
-    let simulator = Simulator::new(network, settings, storage.buffers()).expect("the network fits the board");
-    NetworkPlant { simulator, flows_kg_s: [0.0; SHOWN_OUTPUTS] }
+/// When called twice.
+pub fn compiled_in() -> Result<NetworkPlant, BuildError> {
+    const LENGTH: eclss_core::Sizes = table::BUFFERS;
+    type Buffers = Storage<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>;
+    const _: () = assert!(size_of::<Buffers>() == table::RAM_BYTES);
+    static STORAGE: ConstStaticCell<Buffers> = ConstStaticCell::new(Storage::new());
+    let storage = STORAGE.take();
+    let simulator = Simulator::new(&table::NETWORK, table::Configured::SETTINGS, storage.buffers())?;
+    let stepper = if SPECIALISED {
+        // The simulator was built with these very settings, so it is always taken.
+        CompiledSimulator::new(simulator).map(Stepper::Specialised)
+    } else {
+        Some(Stepper::General(simulator))
+    };
+    Ok(NetworkPlant {
+        stepper: stepper.expect("description and settings are the simulator's"),
+        origin: Origin::CompiledIn,
+        name: table::NAME,
+        line_names: &table::LINE_NAMES,
+        flows_kg_s: [0.0; SHOWN_OUTPUTS],
+    })
+}
+
+/// Makes a plant of a simulator that was built at run time.
+pub fn loaded(
+    simulator: Simulator<'static>,
+    name: &'static str,
+    line_names: &'static [&'static str],
+) -> NetworkPlant {
+    NetworkPlant {
+        stepper: Stepper::General(simulator),
+        origin: Origin::Loaded,
+        name,
+        line_names,
+        flows_kg_s: [0.0; SHOWN_OUTPUTS],
+    }
 }
 
 impl NetworkPlant {
+    fn simulator(&self) -> &Simulator<'static> {
+        match &self.stepper {
+            Stepper::Specialised(simulator) => simulator,
+            Stepper::General(simulator) => simulator,
+        }
+    }
+
+    /// Name of the network.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Where it came from.
+    pub fn origin(&self) -> Origin {
+        self.origin
+    }
+
+    /// Names of its lines, where they are known.
+    pub fn line_names(&self) -> &'static [&'static str] {
+        self.line_names
+    }
+
     /// Id of the network's description.
     pub fn network_id(&self) -> u64 {
-        self.simulator.network_id()
+        self.simulator().network_id()
+    }
+
+    /// Method and step.
+    pub fn settings(&self) -> Settings {
+        self.simulator().settings()
     }
 }
 
@@ -42,20 +149,33 @@ impl Plant for NetworkPlant {
     #[allow(unsafe_code, reason = "on the board with tightly coupled memory, the step runs from it")]
     #[inline(never)]
     fn step(&mut self) -> Result<(), Untrusted> {
-        let health = self.simulator.step();
-        let lines = self.simulator.network().lines.len();
-        for (line, flow) in self.flows_kg_s.iter_mut().enumerate().take(lines) {
-            *flow = self.simulator.line_flow_kg_s(line);
+        let health = match &mut self.stepper {
+            Stepper::Specialised(simulator) if SPECIALISED => simulator.step(),
+            Stepper::Specialised(_) => Health::Trusted,
+            Stepper::General(simulator) => simulator.step(),
+        };
+        let simulator = self.simulator();
+        let lines = simulator.network().lines.len();
+        let mut flows_kg_s = [0.0; SHOWN_OUTPUTS];
+        for (line, flow) in flows_kg_s.iter_mut().enumerate().take(lines) {
+            *flow = simulator.line_flow_kg_s(line);
         }
+        self.flows_kg_s = flows_kg_s;
         match health {
             Health::Trusted => Ok(()),
             Health::Faulted(fault) => Err(fault),
         }
     }
     fn outputs(&self) -> &[f32] {
-        &self.flows_kg_s
+        let lines = self.simulator().network().lines.len();
+        self.flows_kg_s.get(..lines).unwrap_or(&self.flows_kg_s)
     }
     fn state_hash(&self) -> u64 {
-        self.simulator.state_hash()
+        self.simulator().state_hash()
+    }
+    fn values_hash(&self) -> u64 {
+        let mut hash = Fingerprint::default();
+        hash.values(self.simulator().state());
+        hash.finish()
     }
 }

@@ -10,6 +10,8 @@ pub trait Plant {
     fn outputs(&self) -> &[f32];
     /// A hash over the whole state. Too slow for a tick: asked for when a run has ended.
     fn state_hash(&self) -> u64;
+    /// The same over the integrated values alone, without what identifies network and run.
+    fn values_hash(&self) -> u64;
 }
 
 /// A value turned non-finite or left its range: nothing the plant says can be trusted any more.

@@ -25,6 +25,12 @@ pub(crate) const BOARDS: [Board; 4] = [
     Board { name: "rt-pc", machine: None, hosted: true },
 ];
 
+/// Programs of the tests, built like a board's firmware: one counts instructions, one is nothing but a step.
+pub(crate) const TEST_PROGRAMS: [Board; 2] = [
+    Board { name: "measure", machine: None, hosted: false },
+    Board { name: "bare", machine: None, hosted: false },
+];
+
 /// Name of the real board that `flash` writes to, as probe-rs knows its chip.
 const FLASHED: (&str, &str) = ("nucleo-h743zi2", "STM32H743ZITx");
 

@@ -1,6 +1,6 @@
 //! Runs firmware on an emulated board, with its log decoded.
 
-use crate::firmware::{BOARDS, Board, board, build, ensure_set_up};
+use crate::firmware::{BOARDS, Board, TEST_PROGRAMS, board, build, ensure_set_up};
 use crate::process::shown;
 use crate::{Outcome, project};
 use std::path::Path;
@@ -64,14 +64,19 @@ fn emulator(board: &Board, elf: &Path, words: &[String]) -> Outcome<Command> {
     Ok(qemu)
 }
 
-/// The tests that run firmware, against the ELF files just built. They stand behind a feature because a plain
-/// `cargo test` has no such files.
+/// The tests that run firmware. They stand behind a feature because a plain `cargo test` has no firmware.
 pub(crate) fn test() -> Outcome {
     let mut tests = Command::new("cargo");
     tests.args(["test", "--release", "--package", "eclss-tests", "--features", "qemu", "--test", "qemu_*"]);
-    for board in BOARDS.iter().filter(|board| board.machine.is_some()) {
-        let variable = format!("ECLSS_ELF_{}", board.name.replace('-', "_").to_uppercase());
-        tests.env(variable, build(board)?);
-    }
+    hand_over(&mut tests)?;
     crate::process::run(tests.current_dir(project::root()))
+}
+
+/// Builds every microcontroller program and names its ELF file in the command's environment.
+pub(crate) fn hand_over(command: &mut Command) -> Outcome {
+    for program in BOARDS.iter().chain(&TEST_PROGRAMS).filter(|program| !program.hosted) {
+        let variable = format!("ECLSS_ELF_{}", program.name.replace('-', "_").to_uppercase());
+        command.env(variable, build(program)?);
+    }
+    Ok(())
 }

@@ -5,16 +5,18 @@
 //!
 //! Source: ARM DAI 0386 and DAI 0400 (memory and interrupt maps), ARM DDI 0479 (CMSDK peripherals).
 
+mod loading;
 mod registers;
-mod semihosting;
-mod timer;
+pub(crate) mod semihosting;
+pub(crate) mod timer;
 mod vectors;
 
 use crate::board::{Board, ResetReason};
 use crate::control::Settings;
-use crate::firmware::{self, Teller};
-use crate::network::{self, NetworkPlant};
-use crate::{journal, machine};
+use crate::firmware::{self, Heard, Teller};
+use crate::journal::{self, Journal};
+use crate::machine;
+use crate::network::NetworkPlant;
 use core::num::NonZeroU32;
 use embassy_executor::InterruptExecutor;
 use registers::{LED, write};
@@ -73,18 +75,20 @@ pub fn start(name: &'static str) -> ! {
     timer::init();
     let reason = machine::take_fault().map_or(ResetReason::PowerOn, ResetReason::Fault);
     let request = semihosting::Request::read();
+    let plant = loading::plant(&request);
+    let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
+    let per_second = NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN);
     let settings = Settings {
-        period_us: request.period_us,
-        ticks: Some(u64::from(request.seconds) * 1_000_000 / u64::from(request.period_us.get())),
+        period_us,
+        ticks: Some(u64::from(request.seconds) * u64::from(per_second.get())),
         startup_ticks: 100,
         overruns_to_safe: 5,
         lag_to_safe_us: 1_000_000,
         start_safe: reason != ResetReason::PowerOn,
-        status_every: NonZeroU32::new(1_000_000 / request.period_us.get()).unwrap_or(NonZeroU32::MIN),
+        status_every: per_second,
     };
     let board = Mps2 { name, overload: request.overload, tick: 0 };
-    let plant = network::plant(request.period_us);
-    journal::start(&board, plant.network_id(), &settings, reason);
+    let journal = Journal::start(&board, &plant, &settings, reason);
     if reason != ResetReason::PowerOn {
         // Nobody is there to acknowledge the fault: tell and leave.
         semihosting::exit(false);
@@ -92,7 +96,7 @@ pub fn start(name: &'static str) -> ! {
     if let Some(trap) = request.trap {
         trap.spring();
     }
-    let (teller, mut listener) = firmware::events();
+    let (teller, mut listener) = firmware::events(journal);
     let spawner = EXECUTOR.start(vectors::Irq::SPARE);
     // The task's storage is static and this is its only start.
     spawner.spawn(looping(board, plant, settings, teller).expect("the loop starts once"));
@@ -100,7 +104,7 @@ pub fn start(name: &'static str) -> ! {
     // now and then comes out two microseconds different. Time that passes by instructions alone never does.
     loop {
         cortex_m::asm::delay(IDLE_CYCLES);
-        if let Some(well) = listener.log() {
+        if let Heard::Ended { well } = listener.log() {
             journal::stack(machine::stack_use());
             semihosting::exit(well);
         }

@@ -12,9 +12,10 @@ mod memory;
 
 use crate::board::{Board, ResetReason};
 use crate::control::Settings;
-use crate::firmware::{self, Teller};
+use crate::firmware::{self, Heard, Teller};
+use crate::journal::{self, Journal};
+use crate::machine;
 use crate::network::{self, NetworkPlant};
-use crate::{journal, machine};
 use converters::{Inputs, Outputs};
 use core::num::NonZeroU32;
 use cortex_m::peripheral::DWT;
@@ -26,8 +27,6 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::peripherals::IWDG1;
 use embassy_stm32::wdg::IndependentWatchdog;
 
-/// The loop's period \[µs\].
-const PERIOD_US: NonZeroU32 = NonZeroU32::new(1_000).unwrap();
 /// The watchdog resets the processor when the loop has been silent for this long \[µs\].
 const WATCHDOG_US: u32 = 50_000;
 
@@ -81,24 +80,25 @@ pub fn start() -> ! {
     let reason = memory::reset_reason();
     let p = embassy_stm32::init(clocks::config());
     start_counter();
+    let plant = network::compiled_in().expect("the build checked the network");
+    let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
     let settings = Settings {
-        period_us: PERIOD_US,
+        period_us,
         ticks: None,
         startup_ticks: 1_000,
         overruns_to_safe: 5,
         lag_to_safe_us: 1_000_000,
         start_safe: reason != ResetReason::PowerOn,
-        status_every: NonZeroU32::new(1_000_000 / PERIOD_US).unwrap(),
+        status_every: NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN),
     };
     let inputs = Inputs::new(p.ADC1, p.ADC2, p.TIM6, p.PA3, p.PC0);
     let outputs = Outputs::new(p.DAC1, p.PA4, p.PA5);
     let live = Output::new(p.PB0, Level::Low, Speed::Low);
     let mut watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG_US);
-    let plant = network::plant(PERIOD_US);
     watchdog.unleash();
     let board = Nucleo { inputs, outputs, watchdog, live };
-    journal::start(&board, plant.network_id(), &settings, reason);
-    let (teller, mut listener) = firmware::events();
+    let journal = Journal::start(&board, &plant, &settings, reason);
+    let (teller, mut listener) = firmware::events(journal);
     interrupt::SWPMI1.set_priority(Priority::P6);
     let spawner = EXECUTOR.start(interrupt::SWPMI1);
     // The task's storage is static and this is its only start.
@@ -106,12 +106,14 @@ pub fn start() -> ! {
     let mut deepest = 0;
     loop {
         cortex_m::asm::wfi();
-        // The loop never ends here, so there is no outcome to look at.
-        listener.log();
-        let stack = machine::stack_use();
-        if stack.deepest > deepest {
-            deepest = stack.deepest;
-            journal::stack(stack);
+        // The loop never ends here, so an end is nothing to wait for. Looking at the stack takes longer than a
+        // tick: once a status is enough.
+        if listener.log() == Heard::Status {
+            let stack = machine::stack_use();
+            if stack.deepest > deepest {
+                deepest = stack.deepest;
+                journal::stack(stack);
+            }
         }
     }
 }

@@ -5,16 +5,20 @@
 
 use crate::board::{Board, ResetReason};
 use crate::control::Settings;
-use crate::firmware::{self, Teller};
-use crate::journal;
+use crate::firmware::{self, Heard, Teller};
+use crate::journal::Journal;
 use crate::network::{self, NetworkPlant};
 use core::num::NonZeroU32;
 use core::time::Duration;
+use eclss_core::{Buffers, Network, Simulator};
+use eclss_network_file::Loaded;
 use embassy_executor::Executor;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
 use static_cell::StaticCell;
+use std::error::Error;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Priority among real-time threads: above the kernel's interrupt threads it would starve them.
@@ -53,31 +57,39 @@ fn nanoseconds() -> u64 {
     now.tv_sec.cast_unsigned() * 1_000_000_000 + now.tv_nsec.cast_unsigned()
 }
 
-/// Runs with the words `seconds=N` and `period=MICROSECONDS`; without `seconds` until interrupted.
+/// Runs with the words `seconds=N` and `network=FILE`; without `seconds` until interrupted, without `network` the
+/// network that is compiled in.
 ///
 /// # Panics
 /// When called twice.
 pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
-    let (seconds, period_us) = match parse(words) {
+    let request = match Request::read(words) {
         Ok(request) => request,
         Err(word) => {
-            eprintln!("cannot make sense of `{word}`; there are seconds=N and period=MICROSECONDS");
+            eprintln!("cannot make sense of `{word}`; there are seconds=N and network=FILE");
             return ExitCode::FAILURE;
         }
     };
+    let plant = match request.network.as_deref().map_or_else(|| Ok(network::compiled_in()?), load) {
+        Ok(plant) => plant,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
     let per_second = NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN);
     let settings = Settings {
         period_us,
-        ticks: seconds.map(|seconds| u64::from(seconds) * u64::from(per_second.get())),
+        ticks: request.seconds.map(|seconds| u64::from(seconds) * u64::from(per_second.get())),
         startup_ticks: per_second.get(),
         overruns_to_safe: 5,
         lag_to_safe_us: 1_000_000,
         start_safe: false,
         status_every: per_second,
     };
-    let plant = network::plant(period_us);
-    journal::start(&RtPc, plant.network_id(), &settings, ResetReason::PowerOn);
-    let (teller, mut listener) = firmware::events();
+    let journal = Journal::start(&RtPc, &plant, &settings, ResetReason::PowerOn);
+    let (teller, mut listener) = firmware::events(journal);
     std::thread::spawn(move || {
         static EXECUTOR: StaticCell<Executor> = StaticCell::new();
         become_real_time();
@@ -89,10 +101,28 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
     });
     loop {
         std::thread::sleep(Duration::from_millis(20));
-        if let Some(well) = listener.log() {
+        if let Heard::Ended { well } = listener.log() {
             return if well { ExitCode::SUCCESS } else { ExitCode::FAILURE };
         }
     }
+}
+
+/// Loads a network file at run time. What it needs stays for the rest of the process.
+fn load(path: &str) -> Result<NetworkPlant, Box<dyn Error>> {
+    let loaded: &'static Loaded = Box::leak(Box::new(eclss_network_file::load(Path::new(path))?));
+    let network: &'static Network<'static> = Box::leak(Box::new(loaded.network()));
+    let settings = eclss_core::Settings { method: loaded.run.method, step_us: loaded.run.step_us };
+    let sizes = settings.method.sizes(network);
+    let zeros = |length| Box::leak(vec![0.0; length].into_boxed_slice());
+    let buffers = Buffers {
+        state: zeros(sizes.state),
+        work: zeros(sizes.work),
+        inputs: zeros(sizes.inputs),
+        cursors: Box::leak(vec![0; sizes.cursors].into_boxed_slice()),
+    };
+    let names: Vec<&'static str> = loaded.names.lines.iter().map(String::as_str).collect();
+    let simulator = Simulator::new(network, settings, buffers)?;
+    Ok(network::loaded(simulator, &loaded.file.name, Box::leak(names.into_boxed_slice())))
 }
 
 #[embassy_executor::task]
@@ -100,20 +130,32 @@ async fn looping(mut plant: NetworkPlant, settings: Settings, teller: Teller) {
     firmware::run(&mut RtPc, &mut plant, &settings, teller).await;
 }
 
-fn parse(words: impl Iterator<Item = String>) -> Result<(Option<u32>, NonZeroU32), String> {
-    let mut seconds = None;
-    let mut period_us = NonZeroU32::new(1_000).unwrap_or(NonZeroU32::MIN);
-    for word in words {
-        let taken = match word.split_once('=') {
-            Some(("seconds", value)) => value.parse().map(|value| seconds = Some(value)).is_ok(),
-            Some(("period", value)) => value.parse().map(|value| period_us = value).is_ok(),
-            _ => false,
-        };
-        if !taken {
-            return Err(word);
+/// What the command line asks for.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Request {
+    seconds: Option<u32>,
+    network: Option<String>,
+}
+
+impl Request {
+    /// Takes every word or names the one that makes no sense.
+    fn read(words: impl Iterator<Item = String>) -> Result<Self, String> {
+        let mut request = Self::default();
+        for word in words {
+            let taken = match word.split_once('=') {
+                Some(("seconds", value)) => value.parse().map(|value| request.seconds = Some(value)).is_ok(),
+                Some(("network", value)) => {
+                    request.network = Some(value.into());
+                    true
+                }
+                _ => false,
+            };
+            if !taken {
+                return Err(word);
+            }
         }
+        Ok(request)
     }
-    Ok((seconds, period_us))
 }
 
 /// Locks all memory, so that no page fault delays a tick, and asks for real-time priority.
@@ -133,17 +175,39 @@ fn become_real_time() {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::Plant as _;
 
-    fn words(line: &str) -> impl Iterator<Item = String> {
-        line.split(' ').map(str::to_owned)
+    fn read(line: &str) -> Result<Request, String> {
+        Request::read(line.split(' ').map(str::to_owned))
     }
 
     #[test]
     fn words_are_taken_or_named() {
-        let (seconds, period_us) = parse(words("seconds=3 period=500")).unwrap();
-        assert_eq!((seconds, period_us.get()), (Some(3), 500));
-        assert_eq!(parse(words("period=0")), Err("period=0".into()));
-        assert_eq!(parse(words("seconds=3 hurry")), Err("hurry".into()));
+        let request = read("seconds=3 network=a.toml").unwrap();
+        assert_eq!(request, Request { seconds: Some(3), network: Some("a.toml".into()) });
+        assert_eq!(read("seconds=x"), Err("seconds=x".into()));
+        assert_eq!(read("seconds=3 hurry"), Err("hurry".into()));
+    }
+
+    /// Compiled in and loaded at run time: the same network, and the same bits after the valve has closed.
+    #[test]
+    fn a_loaded_network_is_the_compiled_one() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../networks/paper.toml");
+        let (mut ours, mut theirs) = (network::compiled_in().unwrap(), load(path).unwrap());
+        assert_ne!(ours.origin(), theirs.origin());
+        assert_eq!((ours.name(), ours.network_id()), (theirs.name(), theirs.network_id()));
+        assert_eq!(ours.line_names(), theirs.line_names());
+        for tick in 0..26_000 {
+            assert_eq!((ours.step(), theirs.step()), (Ok(()), Ok(())), "tick {tick}");
+        }
+        assert_eq!(ours.state_hash(), theirs.state_hash());
+        assert_eq!(ours.outputs(), theirs.outputs());
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_named() {
+        let Err(error) = load("no/such.toml") else { panic!("it is there") };
+        assert!(error.to_string().contains("no/such.toml"), "{error}");
     }
 
     #[test]

@@ -1,10 +1,16 @@
-//! Runs firmware in QEMU and returns its decoded log.
+//! Runs programs in QEMU and returns their decoded logs. Shared by the tests and by the budget.
+#![allow(dead_code, reason = "every test takes what it needs of it")]
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 
-/// QEMU's machines, each with the variable in which `cargo xtask test` hands over its firmware.
-pub(crate) const BOARDS: [(&str, &str); 2] =
-    [("mps2-an500", "ECLSS_ELF_QEMU_MPS2_AN500"), ("mps2-an386", "ECLSS_ELF_QEMU_MPS2_AN386")];
+/// QEMU's machines, which are named like the boards' firmware behind `qemu-`.
+pub(crate) const MACHINES: [&str; 2] = ["mps2-an500", "mps2-an386"];
+
+/// Guest time of an instruction as a power of two [ns]: 32 ns, as in `cargo xtask qemu`.
+const REAL_TIME: u32 = 5;
+/// At 128 ns the boards' timers tell neighbouring instruction counts apart.
+const COUNTING: u32 = 7;
 
 /// How a run ended.
 pub(crate) struct Run {
@@ -14,20 +20,66 @@ pub(crate) struct Run {
     pub(crate) status: ExitStatus,
 }
 
-/// Runs a board's firmware with the given words as its command line. Guest time is tied to instructions.
-pub(crate) fn run(machine: &str, variable: &str, words: &[&str]) -> Run {
-    let elf = std::env::var(variable).expect("the firmware is built and handed over by `cargo xtask test`");
+/// The ELF file of a program, which `cargo xtask` builds and hands over.
+pub(crate) fn elf(program: &str) -> PathBuf {
+    let variable = format!("ECLSS_ELF_{}", program.replace('-', "_").to_uppercase());
+    std::env::var_os(&variable)
+        .unwrap_or_else(|| {
+            panic!("{variable} is not set: run this by `cargo xtask test` or `cargo xtask budget`")
+        })
+        .into()
+}
+
+/// Runs a board's firmware with the given words as its command line.
+pub(crate) fn run(machine: &str, words: &[&str]) -> Run {
+    logged(machine, &elf(&format!("qemu-{machine}")), REAL_TIME, words)
+}
+
+/// Runs the program that counts instructions.
+pub(crate) fn measure(machine: &str, words: &[&str]) -> Run {
+    logged(machine, &elf("measure"), COUNTING, words)
+}
+
+/// Runs the program that counts instructions and writes down the address of each.
+pub(crate) fn trace(machine: &str, words: &[&str], file: &Path) -> Run {
+    let elf = elf("measure");
+    let mut qemu = emulator(machine, &elf, COUNTING, words);
+    // One instruction per translated block; the option changed its name in 8.1.
+    let text = Command::new("qemu-system-arm").arg("--version").output().expect("QEMU is set up").stdout;
+    let version = String::from_utf8_lossy(&text);
+    let mut numbers =
+        version.split_whitespace().nth(3).unwrap_or("0").split('.').map(|n| n.parse().unwrap_or(0));
+    let version: (u32, u32) = (numbers.next().unwrap_or(0), numbers.next().unwrap_or(0));
+    qemu.args(if version < (8, 1) {
+        ["-singlestep"].as_slice()
+    } else {
+        &["-accel", "tcg,one-insn-per-tb=on"]
+    });
+    qemu.args(["-d", "exec,nochain", "-D"]).arg(file);
+    decoded(qemu, &elf)
+}
+
+fn logged(machine: &str, elf: &Path, shift: u32, words: &[&str]) -> Run {
+    decoded(emulator(machine, elf, shift, words), elf)
+}
+
+/// The emulator's command line. Guest time is tied to executed instructions, so that every run is the same.
+fn emulator(machine: &str, elf: &Path, shift: u32, words: &[&str]) -> Command {
     let words = words.iter().fold(String::new(), |words, word| words + ",arg=" + word);
-    let mut qemu = Command::new("qemu-system-arm")
-        .args(["-M", machine, "-nodefaults", "-display", "none", "-monitor", "none"])
-        .args(["-icount", "shift=5,sleep=off", "-kernel", &elf])
-        .args(["-semihosting-config", &format!("enable=on,target=native{words}")])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("QEMU is installed by `cargo xtask setup`");
+    let mut qemu = Command::new("qemu-system-arm");
+    qemu.args(["-M", machine, "-nodefaults", "-display", "none", "-monitor", "none"]);
+    qemu.args(["-icount", &format!("shift={shift},sleep=off"), "-kernel"]).arg(elf);
+    qemu.args(["-semihosting-config", &format!("enable=on,target=native{words}")]);
+    qemu
+}
+
+fn decoded(mut qemu: Command, elf: &Path) -> Run {
+    let started = qemu.stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+    let mut qemu = started.expect("QEMU is installed by `cargo xtask setup`");
     let decoded = Command::new("defmt-print")
-        .args(["-e", &elf, "stdin"])
+        .arg("-e")
+        .arg(elf)
+        .arg("stdin")
         .stdin(qemu.stdout.take().expect("piped"))
         .output()
         .expect("defmt-print is installed by `cargo xtask setup`");
@@ -41,6 +93,12 @@ impl Run {
     pub(crate) fn line(&self, text: &str) -> &str {
         let line = self.log.iter().find(|line| line.contains(text));
         line.unwrap_or_else(|| panic!("no `{text}` in\n{}", self.log.join("\n")))
+    }
+
+    /// The words behind the first `text` in the log.
+    pub(crate) fn after(&self, text: &str) -> Vec<&str> {
+        let line = self.line(text);
+        line[line.find(text).expect("it is in the line") + text.len()..].split_whitespace().collect()
     }
 
     /// How many lines contain `text`.

@@ -1,9 +1,9 @@
 //! Talks to the emulator: what to run, and how it ended.
 #![allow(unsafe_code, reason = "a semihosting call is a trap with a pointer")]
 
-use core::num::NonZeroU32;
-use cortex_m_semihosting::{debug, syscall1};
+use cortex_m_semihosting::{debug, syscall, syscall1};
 use defmt_semihosting as _;
+use heapless::String;
 
 /// Longest command line that is read \[bytes\].
 const LINE: usize = 256;
@@ -52,26 +52,50 @@ fn dig(depth: u32) -> u32 {
     dig(depth + 1).wrapping_add(ballast[depth as usize % 64])
 }
 
-/// What the emulator's command line asks for: words `seconds=N`, `period=MICROSECONDS`,
+/// What the emulator's command line asks for: words `seconds=N`, `image=PATH` (a network to load),
 /// `overload=FROM_TICK:TICKS:MICROSECONDS` and `trap=panic|address|stack`.
 pub(super) struct Request {
     pub(super) seconds: u32,
-    pub(super) period_us: NonZeroU32,
+    pub(super) image: Option<String<LINE>>,
     pub(super) overload: Option<Overload>,
     pub(super) trap: Option<Trap>,
+}
+
+/// Reads the emulator's command line.
+pub(crate) fn command_line() -> String<LINE> {
+    let mut buffer = [0_u8; LINE];
+    let mut block = [buffer.as_mut_ptr() as usize, LINE];
+    // SAFETY: the emulator writes at most LINE bytes into `buffer` and the length into `block`.
+    let refused = unsafe { syscall1!(GET_CMDLINE, block.as_mut_ptr() as usize) } != 0;
+    let length = if refused { 0 } else { block[1].min(LINE) };
+    let line = core::str::from_utf8(&buffer[..length]).unwrap_or("?").trim_end_matches('\0');
+    String::try_from(line).unwrap_or_default()
+}
+
+/// Reads a file of the host into `buffer`. `None` where it cannot be read or is longer.
+pub(super) fn read_file(path: &str, buffer: &mut [u8]) -> Option<usize> {
+    const READ_BINARY: usize = 1;
+    // The call wants the path with a zero behind it, which it does not count.
+    let mut name = String::<{ LINE + 1 }>::try_from(path).ok()?;
+    name.push('\0').ok()?;
+    // SAFETY: the emulator reads the name and writes at most the buffer's length into it.
+    unsafe {
+        let file = syscall!(OPEN, name.as_ptr(), READ_BINARY, path.len()).cast_signed();
+        if file < 0 {
+            return None;
+        }
+        // Returns how much of the buffer was left; a file that fills it to the end may go on.
+        let left = syscall!(READ, file, buffer.as_mut_ptr(), buffer.len());
+        syscall!(CLOSE, file);
+        (left > 0).then(|| buffer.len().checked_sub(left)).flatten()
+    }
 }
 
 impl Request {
     /// Reads the command line. Ends the run when a word makes no sense: a test must not pass by a typing error.
     pub(super) fn read() -> Self {
-        let mut buffer = [0_u8; LINE];
-        let mut block = [buffer.as_mut_ptr() as usize, LINE];
-        // SAFETY: the emulator writes at most LINE bytes into `buffer` and the length into `block`.
-        let refused = unsafe { syscall1!(GET_CMDLINE, block.as_mut_ptr() as usize) } != 0;
-        let length = if refused { 0 } else { block[1].min(LINE) };
-        let line = core::str::from_utf8(&buffer[..length]).unwrap_or("?").trim_end_matches('\0');
-        let mut request = Self { seconds: 10, period_us: NonZeroU32::MIN, overload: None, trap: None };
-        request.period_us = NonZeroU32::new(1_000).unwrap_or(NonZeroU32::MIN);
+        let line = command_line();
+        let mut request = Self { seconds: 10, image: None, overload: None, trap: None };
         for word in line.split_ascii_whitespace() {
             if request.take(word).is_none() {
                 defmt::error!("cannot make sense of `{=str}`", word);
@@ -85,7 +109,7 @@ impl Request {
         let (name, value) = word.split_once('=')?;
         match name {
             "seconds" => self.seconds = value.parse().ok()?,
-            "period" => self.period_us = value.parse().ok()?,
+            "image" => self.image = Some(String::try_from(value).ok()?),
             "overload" => {
                 let mut numbers = value.split(':').map(|number| number.parse().ok());
                 let mut next = || numbers.next().flatten();
@@ -106,7 +130,7 @@ impl Request {
 }
 
 /// Ends the emulator; its exit code is 0 only if `well`.
-pub(super) fn exit(well: bool) -> ! {
+pub(crate) fn exit(well: bool) -> ! {
     loop {
         debug::exit(if well { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     }

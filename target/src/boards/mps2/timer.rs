@@ -75,12 +75,12 @@ impl Driver for Timer {
 }
 
 /// Lower half of the clock \[counts\], wrapping every 172 s. The timer counts down.
-pub(super) fn counter() -> u32 {
+pub(crate) fn counter() -> u32 {
     !read(TIMER1 + VALUE)
 }
 
 /// Starts the clock.
-pub(super) fn init() {
+pub(crate) fn init() {
     write(TIMER1 + CTRL, 0);
     write(TIMER1 + RELOAD, u32::MAX);
     write(TIMER1 + VALUE, u32::MAX);

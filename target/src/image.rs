@@ -1,0 +1,269 @@
+//! A network as an image: what a board loads at run time instead of having it compiled in.
+//!
+//! Written with postcard from any description, read into arrays of fixed capacity. The last eight bytes are a hash
+//! over the others, so that a damaged image is refused. The image also carries the network id that the writer
+//! computed; a reader computes it anew, so that both are known to mean the same network.
+
+use eclss_core::{
+    Active, Fingerprint, Line, Method, Network, Node, Plan, Schedule, SchedulePoint, Segment, Settings,
+};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of the layout; readers refuse any other.
+const VERSION: u8 = 1;
+/// Capacity of [`Image`]: nodes, lines, and entries of the elimination.
+pub const NODES: usize = 64;
+/// Segments, inputs and points of schedules.
+pub const SEGMENTS: usize = 256;
+/// Schedules.
+pub const SCHEDULES: usize = 16;
+/// Entries of L + U.
+const ENTRIES: usize = 512;
+/// Bytes of the hash at the end.
+const TRAILER: usize = 8;
+/// Most bytes of an image that fits these capacities: every table full, every number at its longest.
+pub const BYTES: usize = 24 * 1024;
+
+/// Why an image was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ImageError {
+    /// The hash at the end is not that of the bytes before it.
+    Damaged,
+    /// A table is longer than its capacity, or the bytes are no image.
+    Unreadable,
+    /// Of another version.
+    Version(u8),
+    /// A method that does not exist.
+    Method(u8),
+    /// The description's id is not the one that the writer computed.
+    OtherId {
+        /// As written.
+        written: u64,
+        /// Of what arrived.
+        arrived: u64,
+    },
+    /// The buffer of the writer is too short.
+    NoRoom,
+}
+
+/// An image as written; field by field what [`Image`] reads.
+#[derive(Serialize)]
+struct Written<'a> {
+    version: u8,
+    method: u8,
+    step_us: u32,
+    id: u64,
+    reference_pa: f32,
+    nodes: &'a [Node],
+    lines: &'a [Line],
+    segments: &'a [Segment],
+    active: &'a [Active],
+    inputs: &'a [f32],
+    schedules: &'a [Schedule],
+    points: &'a [SchedulePoint],
+    end_start: &'a [u32],
+    ends: &'a [u32],
+    order: &'a [u32],
+    row_start: &'a [u32],
+    columns: &'a [u32],
+    diagonal: &'a [u32],
+    stamps: &'a [[u32; 4]],
+    row_of: &'a [u32],
+}
+
+/// A network that was loaded at run time, with how it is run.
+#[derive(Deserialize)]
+pub struct Image {
+    #[allow(dead_code, reason = "looked at before the rest is read")]
+    version: u8,
+    method: u8,
+    step_us: u32,
+    id: u64,
+    reference_pa: f32,
+    nodes: Vec<Node, NODES>,
+    lines: Vec<Line, NODES>,
+    segments: Vec<Segment, SEGMENTS>,
+    active: Vec<Active, SEGMENTS>,
+    inputs: Vec<f32, SEGMENTS>,
+    schedules: Vec<Schedule, SCHEDULES>,
+    points: Vec<SchedulePoint, SEGMENTS>,
+    end_start: Vec<u32, { NODES + 1 }>,
+    ends: Vec<u32, { 2 * NODES }>,
+    order: Vec<u32, NODES>,
+    row_start: Vec<u32, { NODES + 1 }>,
+    columns: Vec<u32, ENTRIES>,
+    diagonal: Vec<u32, NODES>,
+    stamps: Vec<[u32; 4], NODES>,
+    row_of: Vec<u32, NODES>,
+}
+
+/// Writes a description and its settings into `buffer`; returns the part that was used.
+pub fn write<'b>(
+    network: &Network<'_>,
+    settings: Settings,
+    buffer: &'b mut [u8],
+) -> Result<&'b [u8], ImageError> {
+    let method = Method::ALL.iter().position(|method| *method == settings.method).unwrap_or(usize::MAX);
+    let plan = network.plan;
+    let written = Written {
+        version: VERSION,
+        method: method as u8,
+        step_us: settings.step_us,
+        id: network.id(),
+        reference_pa: network.reference_pa,
+        nodes: network.nodes,
+        lines: network.lines,
+        segments: network.segments,
+        active: network.active,
+        inputs: network.inputs,
+        schedules: network.schedules,
+        points: network.points,
+        end_start: plan.end_start,
+        ends: plan.ends,
+        order: plan.order,
+        row_start: plan.row_start,
+        columns: plan.columns,
+        diagonal: plan.diagonal,
+        stamps: plan.stamps,
+        row_of: plan.row_of,
+    };
+    let room = buffer.len().checked_sub(TRAILER).ok_or(ImageError::NoRoom)?;
+    let used = postcard::to_slice(&written, &mut buffer[..room]).map_err(|_| ImageError::NoRoom)?.len();
+    let hash = hash(&buffer[..used]);
+    buffer[used..used + TRAILER].copy_from_slice(&hash.to_le_bytes());
+    Ok(&buffer[..used + TRAILER])
+}
+
+fn hash(bytes: &[u8]) -> u64 {
+    let mut hash = Fingerprint::default();
+    bytes.iter().for_each(|byte| hash.word(u32::from(*byte)));
+    hash.finish()
+}
+
+impl Image {
+    /// Reads an image. What it describes is still to be checked, as [`eclss_core::Simulator::new`] does.
+    pub fn read(bytes: &[u8]) -> Result<Self, ImageError> {
+        let (bytes, trailer) = bytes.split_last_chunk::<TRAILER>().ok_or(ImageError::Damaged)?;
+        if hash(bytes) != u64::from_le_bytes(*trailer) {
+            return Err(ImageError::Damaged);
+        }
+        match bytes.first() {
+            Some(&VERSION) => {}
+            Some(&version) => return Err(ImageError::Version(version)),
+            None => return Err(ImageError::Unreadable),
+        }
+        let image: Self = postcard::from_bytes(bytes).map_err(|_| ImageError::Unreadable)?;
+        let arrived = image.network().id();
+        if arrived != image.id {
+            return Err(ImageError::OtherId { written: image.id, arrived });
+        }
+        image.settings()?;
+        Ok(image)
+    }
+
+    /// The description.
+    pub fn network(&self) -> Network<'_> {
+        Network {
+            reference_pa: self.reference_pa,
+            nodes: &self.nodes,
+            lines: &self.lines,
+            segments: &self.segments,
+            active: &self.active,
+            inputs: &self.inputs,
+            schedules: &self.schedules,
+            points: &self.points,
+            plan: Plan {
+                end_start: &self.end_start,
+                ends: &self.ends,
+                order: &self.order,
+                row_start: &self.row_start,
+                columns: &self.columns,
+                diagonal: &self.diagonal,
+                stamps: &self.stamps,
+                row_of: &self.row_of,
+            },
+        }
+    }
+
+    /// How it is run.
+    pub fn settings(&self) -> Result<Settings, ImageError> {
+        let method = Method::ALL.get(usize::from(self.method)).copied();
+        Ok(Settings { method: method.ok_or(ImageError::Method(self.method))?, step_us: self.step_us })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eclss_network_file::{Loaded, parse};
+
+    fn paper() -> Loaded {
+        parse(include_str!("../../networks/paper.toml"), "paper.toml").expect("it ships")
+    }
+
+    fn written(loaded: &Loaded, method: Method) -> std::vec::Vec<u8> {
+        let settings = Settings { method, step_us: loaded.run.step_us };
+        write(&loaded.network(), settings, &mut [0; BYTES]).expect("it fits").to_vec()
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written() {
+        let loaded = paper();
+        for method in Method::ALL {
+            let image = Image::read(&written(&loaded, method)).unwrap();
+            let (ours, theirs) = (image.network(), loaded.network());
+            assert_eq!(image.settings(), Ok(Settings { method, step_us: 1_000 }));
+            assert_eq!((ours.nodes, ours.lines, ours.plan), (theirs.nodes, theirs.lines, theirs.plan));
+            assert_eq!((ours.segments, ours.active), (theirs.segments, theirs.active));
+            assert_eq!((ours.schedules, ours.points), (theirs.schedules, theirs.points));
+            assert_eq!((ours.inputs, ours.id()), (theirs.inputs, theirs.id()));
+        }
+    }
+
+    #[test]
+    fn no_flipped_bit_passes() {
+        let whole = written(&paper(), Method::Relaxation);
+        for bit in 0..8 * whole.len() {
+            let mut bytes = whole.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(Image::read(&bytes).err(), Some(ImageError::Damaged), "bit {bit}");
+        }
+    }
+
+    /// An image whose hash is right but whose content is not: another version, another method, more than fits.
+    #[test]
+    fn what_is_not_an_image_is_refused_by_name() {
+        let sealed = |change: fn(&mut std::vec::Vec<u8>)| {
+            let mut bytes = written(&paper(), Method::Relaxation);
+            bytes.truncate(bytes.len() - TRAILER);
+            change(&mut bytes);
+            bytes.extend(hash(&bytes).to_le_bytes());
+            Image::read(&bytes).err()
+        };
+        assert_eq!(sealed(|_| {}), None);
+        assert_eq!(sealed(|bytes| bytes[0] = VERSION + 1), Some(ImageError::Version(VERSION + 1)));
+        assert_eq!(sealed(|bytes| bytes[1] = 5), Some(ImageError::Method(5)));
+        assert_eq!(sealed(|bytes| bytes.truncate(40)), Some(ImageError::Unreadable));
+        assert_eq!(sealed(std::vec::Vec::clear), Some(ImageError::Unreadable));
+        assert!(matches!(sealed(|bytes| bytes[6] ^= 1), Some(ImageError::OtherId { .. })));
+    }
+
+    #[test]
+    fn an_image_that_is_cut_short_is_refused() {
+        let whole = written(&paper(), Method::TrBdf2);
+        for length in 0..whole.len() {
+            assert!(Image::read(&whole[..length]).is_err(), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_buffer_that_is_too_short_is_refused() {
+        let loaded = paper();
+        let settings = Settings { method: Method::Relaxation, step_us: 1_000 };
+        let length = written(&loaded, Method::Relaxation).len();
+        assert_eq!(write(&loaded.network(), settings, &mut vec![0; length - 1]), Err(ImageError::NoRoom));
+        assert!(write(&loaded.network(), settings, &mut vec![0; length]).is_ok());
+    }
+}
