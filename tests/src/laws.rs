@@ -1,8 +1,8 @@
 //! The components' laws in `f64`, written from their formulas and not from the elements' code.
 
-use crate::model::{Part, Power};
-use eclss_core::StdElement;
+use crate::model::{Branch, Part, Power};
 use eclss_core::element::HeadCurve;
+use eclss_core::{Segment, StdElement};
 
 /// Returns an element's part at `input` [1]: speed of a machine, opening of a valve, unused elsewhere.
 pub fn part(element: &StdElement, input: f64) -> Part {
@@ -37,6 +37,14 @@ pub fn part(element: &StdElement, input: f64) -> Part {
             Part { resistance, removal: 1.0 / (1.0 - caught) - 1.0, ..Part::default() }
         }
     }
+}
+
+/// Returns a loop of `segments` with the flow state on `flow_part`, its valves at `opening` [1], its machines at
+/// rated speed.
+pub fn branch(segments: &[Segment], flow_part: usize, opening: f64) -> Branch {
+    let input = |element: &StdElement| if matches!(element, StdElement::Valve(_)) { opening } else { 1.0 };
+    let parts = segments.iter().map(|segment| part(&segment.element, input(&segment.element))).collect();
+    Branch { from: 0, to: 0, parts, flow_part, laminar_below_pa: 0.0 }
 }
 
 /// Affinity laws: flow grows with the speed N, head with its square; h(w; N) = N²·h(w/N).

@@ -69,6 +69,28 @@ pub fn settled_flow_kg_s(opening: f32, step_us: u32, until_us: u64) -> Result<f6
     })
 }
 
+/// Returns the paper's loop with its six elements in another `order`, the flow state on place `flow_segment` of
+/// the new order and the valve at `opening` [1].
+pub fn reordered_loop(order: [usize; 6], flow_segment: usize, opening: f32) -> Tables {
+    let elements = order.map(|index| example::paper_loop().segments[index].element);
+    let mut tables = Tables::default();
+    let cabin = tables.node(Some(60.0), 0.0);
+    tables.line((cabin, cabin), &elements, flow_segment, 0.0, 1e-3);
+    for segment in &tables.segments {
+        if matches!(segment.element, StdElement::Valve(_)) {
+            tables.inputs[segment.first_input as usize] = opening;
+        }
+    }
+    tables
+}
+
+/// Returns the order of the paper's elements with the valve moved to place `valve` (0…5).
+pub fn valve_at(valve: usize) -> [usize; 6] {
+    let mut order = [0, 1, 2, 3, 4, 5];
+    order[valve..].rotate_right(1);
+    order
+}
+
 /// A network's tables as vectors, for descriptions that a test makes up.
 #[derive(Debug, Clone, Default)]
 pub struct Tables {

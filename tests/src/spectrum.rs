@@ -48,8 +48,8 @@ pub fn phi(step: f64, diagonal: f64) -> f64 {
     (1.0 / (step * diagonal.abs())).min(1.0)
 }
 
-/// Returns the Jacobian of a line with held ends: rows `q_i' = q_{i−1} − q_i − R_i·w|w|` for `rows` = R_i and
-/// the flow row `w' = φ·(q_last − R·w|w|)` for `own` = R, at a flow of `slope`/2, slope = d(w|w|)/dw = 2|w|.
+/// Returns the Jacobian of a line with held ends: rows `q_i' = q_{i−1} − q_i − R_i·w|w|` for `rows` = `R_i`
+/// and the flow row `w' = φ·(q_last − R·w|w|)` for `own` = R, at a flow of `slope`/2, slope = d(w|w|)/dw = 2|w|.
 pub fn line_jacobian(rows: &[f64], own: f64, slope: f64, phi: f64) -> DMatrix<f64> {
     let last = rows.len();
     let mut matrix = DMatrix::zeros(last + 1, last + 1);

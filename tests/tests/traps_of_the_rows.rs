@@ -97,8 +97,7 @@ fn what_lies_behind_the_valve_belongs_into_its_row() -> Outcome {
     let exact = paper::steady_flow_kg_s(opening);
     let off = |flows: &[f64]| flows.iter().map(|w| (w / exact - 1.0).abs()).fold(0.0, f64::max);
     let swinging = off(&flows_with_rows_behind(valve, opening, h));
-    let (mut tables, _) = loop_with_valve_at(valve);
-    tables.inputs[1] = opening as f32;
+    let tables = product::reordered_loop(product::valve_at(valve), valve, opening as f32);
     let settled = product::with_simulator(&tables.network(), Method::Relaxation, 10_000, |simulator| {
         product::step_until(simulator, 60_000_000);
         f64::from(simulator.line_flow_kg_s(0))
@@ -109,27 +108,9 @@ fn what_lies_behind_the_valve_belongs_into_its_row() -> Outcome {
     );
     assert!(swinging > 0.01, "{swinging}");
     // Ahead of the drain the same valve carries a little more flow: compare with the law there.
-    let exact_here = resting_flow(valve, opening);
+    let exact_here = laws::branch(&tables.segments, valve, opening).steady_flow_kg_s(0.0);
     assert!((settled / exact_here - 1.0).abs() < 1e-5, "{settled} against {exact_here}");
     Ok(())
-}
-
-/// The paper's loop through its cabin with the valve before element `valve` and the flow state on it.
-fn loop_with_valve_at(valve: usize) -> (Tables, Vec<StdElement>) {
-    let mut elements: Vec<StdElement> = example::paper_loop().segments.iter().map(|s| s.element).collect();
-    let last = elements.pop().expect("the loop has six elements");
-    elements.insert(valve, last);
-    let mut tables = Tables::default();
-    let cabin = tables.node(Some(60.0), 0.0);
-    tables.line((cabin, cabin), &elements, valve, 0.0, 1e-3);
-    (tables, elements)
-}
-
-fn resting_flow(valve: usize, opening: f64) -> f64 {
-    let (_, elements) = loop_with_valve_at(valve);
-    let input = |element: &StdElement| if matches!(element, StdElement::Valve(_)) { opening } else { 1.0 };
-    let parts = elements.iter().map(|element| laws::part(element, input(element))).collect();
-    Branch { from: 0, to: 0, parts, flow_part: valve, laminar_below_pa: 0.0 }.steady_flow_kg_s(0.0)
 }
 
 #[test]
