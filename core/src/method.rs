@@ -40,6 +40,8 @@ pub enum MethodError {
     Junction(u32),
     /// The connection tables are missing or wrong.
     Plan(PlanError),
+    /// A line drains more than 11.8 % of its flow, for which the method's bound is not proven.
+    TooMuchRemoved(u32),
     /// A segment has neither inertance nor a loss at rest, so nothing decides its flow.
     NothingResists(u32),
 }

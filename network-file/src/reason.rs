@@ -119,6 +119,12 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
             format!("method {method} takes no junction"),
             "give the node a volume, or take an implicit method in [run]",
         ),
+        MethodError::TooMuchRemoved(index) => (
+            format!("line[{index}]"),
+            &["id"],
+            format!("drains more than 11.8 % of its flow, too much for method {method}"),
+            "take an implicit method, or split the line at a node",
+        ),
         MethodError::NothingResists(index) => (
             element_path(loaded, index),
             &["id"],

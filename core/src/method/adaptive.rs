@@ -23,6 +23,9 @@ use crate::{Line, Method, MethodError, Network, math};
 /// Safety factor of the operator; the proof holds up to 2(√2 − 1).
 const THETA: f32 = 0.8;
 
+/// Largest ratio of a line's inlet to its outlet flow for which θ keeps the proof: θ·(1 + √(1 + U²))/2 ≤ 1.
+const LARGEST_RATIO: f32 = 1.118;
+
 /// Smallest driving pressure at which a conductance is taken [Pa]: a line without laminar limit and without
 /// driving pressure would have an infinite one.
 const SMALLEST_DRIVE_PA: f32 = 1e-9;
@@ -54,6 +57,13 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
 pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
     if step_us == 0 {
         return Err(MethodError::Step { longest_us: u32::MAX });
+    }
+    for (index, line) in (0u32..).zip(network.lines) {
+        let segments = network.segments_of(line);
+        let upstream: f32 = segments.iter().map(|segment| 1.0 + segment.element.removal()).product();
+        if upstream > LARGEST_RATIO {
+            return Err(MethodError::TooMuchRemoved(index));
+        }
     }
     Method::refuse_junctions(network)
 }

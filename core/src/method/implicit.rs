@@ -51,7 +51,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (rows, entries) = (network.plan.order.len(), network.plan.columns.len());
     (
         Common::length(network) + 2 * nodes + 4 * segments,
-        NODE_FIGURES * nodes + lines + CELL * segments + entries + 3 * rows,
+        NODE_FIGURES * nodes + 2 * lines + CELL * segments + entries + 3 * rows,
     )
 }
 
@@ -94,6 +94,8 @@ struct Work<'w> {
     nodes: &'w mut [NodeFigures],
     /// Flow below which a line is linear in this stage [kg/s].
     laminar: &'w mut [f32],
+    /// 1 where a line has a joint that stores next to nothing, else 0.
+    stiff: &'w mut [f32],
     cells: &'w mut [Cell],
     matrix: Matrix<'w>,
 }
@@ -102,11 +104,12 @@ impl<'w> Work<'w> {
     fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
         let rows = network.plan.order.len();
         let cut = &mut Cut(buffer);
-        let (nodes, laminar) = (cut.take_rows(network.nodes.len()), cut.take(network.lines.len()));
+        let nodes = cut.take_rows(network.nodes.len());
+        let (laminar, stiff) = (cut.take(network.lines.len()), cut.take(network.lines.len()));
         let cells = cut.take_rows(network.segments.len());
         let (entries, rhs) = (cut.take(network.plan.columns.len()), cut.take(rows));
         let matrix = Matrix { entries, rhs, reciprocal: cut.take(rows), dense: cut.take(rows) };
-        Self { nodes, laminar, cells, matrix }
+        Self { nodes, laminar, stiff, cells, matrix }
     }
 }
 
@@ -136,7 +139,7 @@ pub(crate) fn start<E: Element>(
         let capacity = if per_mass > 0.0 { 1.0 / (per_mass * tau) } else { 0.0 };
         *figures = [node.start_gauge_pa, 0.0, per_mass, capacity, 0.0];
     }
-    for line in network.lines {
+    for (line, stiff) in network.lines.iter().zip(work.stiff) {
         let node = network.nodes.get(line.from as usize);
         let (temperature, from) = node.map_or((0.0, 0.0), |node| (node.temperature_k, node.start_gauge_pa));
         let (Some(cells), Some(states)) =
@@ -144,19 +147,22 @@ pub(crate) fn start<E: Element>(
         else {
             continue;
         };
-        for ((segment, cell), state) in network.segments_of(line).iter().zip(cells).zip(states) {
+        for ((segment, cell), state) in network.segments_of(line).iter().zip(cells.iter_mut()).zip(states) {
             let volume = segment.outlet_volume_m3;
             let rise = if volume > 0.0 { air::pressure_per_mass_pa_kg(volume, temperature) } else { 0.0 };
             let inertia = segment.inertance_per_m / tau;
             *state = [line.start_flow_kg_s, 0.0, from, 0.0];
             set_law(cell, segment, inputs, line.start_flow_kg_s);
-            let guarded = inertia * inertia < 4.0 * cell[4] * EXPECTED_DRIVE_PA;
+            // A law that changes may become as stiff as it likes within one step.
+            let guarded =
+                segment.element.is_active() || inertia * inertia < 4.0 * cell[4] * EXPECTED_DRIVE_PA;
             cell[0] = inertia;
             cell[1] = if rise > 0.0 { 1.0 / (rise * tau) } else { 0.0 };
             cell[2] = segment.element.removal();
             cell[3] = if guarded { 1.0 } else { 0.0 };
             cell[14] = rise;
         }
+        *stiff = if line::has_stiff_joint(cells) { 1.0 } else { 0.0 };
     }
 }
 
@@ -199,17 +205,20 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         for _ in 0..2 {
             solve(network, work);
         }
+        settle(network, work);
         carry_over(work);
         laws::<E, UNROLL>(network, inputs.end, work);
         push(network, work);
         for _ in 0..2 {
             solve(network, work);
         }
+        settle(network, work);
         [MEAN, TAU]
     } else {
         laws::<E, UNROLL>(network, inputs.end, work);
         push(network, work);
         solve(network, work);
+        settle(network, work);
         [0.0, 1.0]
     };
     let place = commit(network, h, weights, &mut state, work);
@@ -228,12 +237,16 @@ fn begin<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Wor
         (*momentum, *mass, *w, *p) = (0.0, 0.0, *flow, *gauge);
         (*dw, *dp, *first) = (0.0, 0.0, 0.0);
     }
-    for line in network.lines {
-        let to = work.nodes.get(line.to as usize).map_or(0.0, |[pressure, ..]| *pressure);
-        if let Some([_, _, _, _, _, _, _, _, _, _, p, ..]) =
-            work.cells.get_mut(range(line)).and_then(<[Cell]>::last_mut)
-        {
+    let columns = work.laminar.iter().zip(work.stiff.iter());
+    for (line, (laminar, stiff)) in network.lines.iter().zip(columns) {
+        let pressure = |node: u32| work.nodes.get(node as usize).map_or(0.0, |[pressure, ..]| *pressure);
+        let (from, to) = (pressure(line.from), pressure(line.to));
+        let Some(cells) = work.cells.get_mut(range(line)) else { continue };
+        if let Some([_, _, _, _, _, _, _, _, _, _, p, ..]) = cells.last_mut() {
             *p = to;
+        }
+        if *stiff > 0.0 {
+            line::rebase(cells, from, *laminar);
         }
     }
 }
@@ -371,6 +384,17 @@ fn solve<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
         let delta = |node: u32| work.nodes.get(node as usize).map_or(0.0, |[_, delta, ..]| *delta);
         if let Some(cells) = work.cells.get_mut(range(line)) {
             line::substitute(cells, delta(line.from), delta(line.to));
+        }
+    }
+}
+
+/// Makes the flows of a stage agree where a line stores next to nothing between them.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn settle<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
+    for (line, stiff) in network.lines.iter().zip(work.stiff.iter()) {
+        if let Some(cells) = work.cells.get_mut(range(line)).filter(|_| *stiff > 0.0) {
+            line::settle(cells);
         }
     }
 }

@@ -65,7 +65,8 @@ fn slope(cell: &Cell, present: f32, driving: f32, laminar: f32) -> f32 {
     if guarded > 0.0 {
         let (total, resisting) = (driving.abs(), inertia + linear);
         let root = math::sqrt(resisting * resisting + 4.0 * quadratic * total);
-        size = math::larger(size, 2.0 * total / (resisting + root));
+        // Nothing drives and nothing resists: 0/0, for which the present flow stands.
+        size = math::larger(2.0 * total / (resisting + root), size);
     }
     2.0 * quadratic * size + linear
 }
@@ -150,6 +151,82 @@ pub(crate) fn substitute(cells: &mut [Cell], from: f32, to: f32) {
     }
 }
 
+/// Whether some joint of the line stores so little that noise in its pressure could outweigh its mass balance.
+pub(crate) fn has_stiff_joint(cells: &[Cell]) -> bool {
+    cells.array_windows().any(|[[before, capacity, ..], [behind, ..]]| {
+        let inertia = if before < behind { before } else { behind };
+        capacity * inertia < 1.0
+    })
+}
+
+/// Index of the segment that resists most, by the last sweep.
+fn anchor(cells: &[Cell]) -> usize {
+    let mut found = (0, f32::INFINITY);
+    for (index, &[.., b, _, _, _, _]) in cells.iter().enumerate() {
+        if b < found.1 {
+            found = (index, b);
+        }
+    }
+    found.0
+}
+
+/// Puts the pressure of joints without volume where the losses of segments without inertance between them and
+/// their node say, on either side of the segment that resists most: such a pressure has no memory, and what the
+/// rounding of many steps left in it would be noise.
+pub(crate) fn rebase(cells: &mut [Cell], from: f32, laminar: f32) {
+    let Some((upstream, downstream)) = cells.split_at_mut_checked(anchor(cells)) else { return };
+    let mut before = from;
+    for cell in upstream {
+        let [inertia, capacity, _, _, quadratic, linear, head, _, _, w, p, ..] = *cell;
+        let free = inertia <= 0.0 && capacity <= 0.0;
+        before = if free { before - loss(quadratic, linear, w, laminar) + head } else { p };
+        cell[10] = before;
+    }
+    let mut rest = downstream;
+    while let Some((cell, before)) = rest.split_last_mut() {
+        let [inertia, _, _, _, quadratic, linear, head, _, _, w, p, ..] = *cell;
+        if let Some([_, capacity, _, _, _, _, _, _, _, _, joint, ..]) = before.last_mut() {
+            if inertia <= 0.0 && *capacity <= 0.0 {
+                *joint = p + loss(quadratic, linear, w, laminar) - head;
+            }
+        }
+        rest = before;
+    }
+}
+
+/// Makes flows of neighbours agree where the joint between them stores next to nothing.
+///
+/// There `b·(δp − δp)` is the small difference of two rounded pressures times a large number. The flow of the
+/// segment that resists most is taken as it is, and the others follow from it by the joints' mass balances, as
+/// long as their own b is the larger source of noise.
+pub(crate) fn settle(cells: &mut [Cell]) {
+    let Some((upstream, downstream)) = cells.split_at_mut_checked(anchor(cells)) else { return };
+    let Some((anchor, downstream)) = downstream.split_first_mut() else { return };
+    let mut before = *anchor;
+    for cell in downstream {
+        let [_, capacity, removal, _, _, _, _, _, known, w_before, _, dw_before, dp_before, ..] = before;
+        let [.., b, _, _, _, _] = *cell;
+        if b > capacity {
+            let arrives = known + w_before + dw_before - capacity * dp_before;
+            let leaves = if arrives > 0.0 { arrives / (1.0 + removal) } else { arrives };
+            cell[11] = leaves - cell[9];
+        }
+        before = *cell;
+    }
+    let mut behind = *anchor;
+    for cell in upstream.iter_mut().rev() {
+        let [_, _, _, _, _, _, _, _, _, w_behind, _, dw_behind, ..] = behind;
+        let [_, capacity, removal, _, _, _, _, _, known, w, _, _, dp, ..] = *cell;
+        let [.., b, _, _, _, _] = *cell;
+        if b > capacity {
+            let flow = w_behind + dw_behind;
+            let leaves = if flow > 0.0 { (1.0 + removal) * flow } else { flow };
+            cell[11] = leaves + capacity * dp - known - w;
+        }
+        behind = *cell;
+    }
+}
+
 /// Rates of change at the step's start as the known parts of a trapezoidal stage; returns the flows at inlet
 /// and outlet [kg/s].
 #[inline(always)]
@@ -211,35 +288,39 @@ pub(crate) fn commit(
         match before {
             None => moved.taken = passed,
             Some(([_, _, pressure, carry], volume)) => {
-                let [_, capacity, removal, _, _, _, _, _, _, _, _, _, solved, _, rise, ..] = *volume;
+                let [_, capacity, removal, _, _, _, _, _, _, _, start, _, solved, _, rise, ..] = *volume;
+                let leaving = if removal > 0.0 { removal * h * forward_mean(cell, weights) } else { 0.0 };
+                moved.drained += leaving;
                 if capacity > 0.0 {
-                    let leaving = drain(removal, passed);
-                    moved.drained += leaving;
                     math::compensated_add(pressure, carry, ((carried - passed) - leaving) * rise);
                 } else {
                     // Nothing can be stored here, so what came in and was not drained is what goes on.
-                    let leaving = drain(removal, carried / (1.0 + removal));
-                    moved.drained += leaving;
                     passed = carried - leaving;
-                    math::compensated_add(pressure, carry, solved);
+                    (*pressure, *carry) = (start + solved, 0.0);
                 }
             }
         }
         carried = passed;
         before = Some((state, cell));
     }
-    if let Some((_, [_, _, removal, ..])) = before {
-        let leaving = drain(*removal, carried / (1.0 + removal));
-        moved.drained += leaving;
-        carried -= leaving;
+    if let Some((_, cell)) = before {
+        let removal = cell[2];
+        if removal > 0.0 {
+            let leaving = removal / (1.0 + removal) * (h * forward_mean(cell, weights));
+            moved.drained += leaving;
+            carried -= leaving;
+        }
     }
     moved.given = carried;
     moved
 }
 
-/// Mass drained beside `leaves` [kg]: nothing where the flow runs backward.
+/// Mean of a segment's flow over the step where it runs forward [kg/s], stage by stage as it was solved: a drain
+/// takes nothing from reversed flow.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over segments")]
-fn drain(removal: f32, leaves: f32) -> f32 {
-    if leaves > 0.0 { removal * leaves } else { 0.0 }
+fn forward_mean(cell: &Cell, weights: [f32; 2]) -> f32 {
+    let [_, _, _, _, _, _, _, _, _, w, _, dw, _, first, ..] = *cell;
+    let forward = |flow: f32| if flow > 0.0 { flow } else { 0.0 };
+    weights[0] * (forward(w) + forward(w + first)) + weights[1] * forward(w + dw)
 }
