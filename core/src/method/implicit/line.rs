@@ -185,10 +185,11 @@ pub(crate) fn rebase(cells: &mut [Cell], from: f32, laminar: f32) {
     let mut rest = downstream;
     while let Some((cell, before)) = rest.split_last_mut() {
         let [inertia, _, _, _, quadratic, linear, head, _, _, w, p, ..] = *cell;
-        if let Some([_, capacity, _, _, _, _, _, _, _, _, joint, ..]) = before.last_mut() {
-            if inertia <= 0.0 && *capacity <= 0.0 {
-                *joint = p + loss(quadratic, linear, w, laminar) - head;
-            }
+        if let Some([_, capacity, _, _, _, _, _, _, _, _, joint, ..]) = before.last_mut()
+            && inertia <= 0.0
+            && *capacity <= 0.0
+        {
+            *joint = p + loss(quadratic, linear, w, laminar) - head;
         }
         rest = before;
     }
