@@ -16,13 +16,7 @@ pub(crate) struct Board {
 }
 
 const BOARDS: [Board; 3] = [
-    Board {
-        name: "mps2",
-        feature: "CARGO_FEATURE_MPS2",
-        script: "mps2",
-        program: MPS2,
-        own_vectors: true,
-    },
+    Board { name: "mps2", feature: "CARGO_FEATURE_MPS2", script: "mps2", program: MPS2, own_vectors: true },
     Board {
         name: "nucleo-h743zi2",
         feature: "CARGO_FEATURE_NUCLEO_H743ZI2",
@@ -30,13 +24,7 @@ const BOARDS: [Board; 3] = [
         program: NUCLEO,
         own_vectors: false,
     },
-    Board {
-        name: "bare",
-        feature: "CARGO_FEATURE_BARE",
-        script: "mps2",
-        program: MPS2,
-        own_vectors: false,
-    },
+    Board { name: "bare", feature: "CARGO_FEATURE_BARE", script: "mps2", program: MPS2, own_vectors: false },
 ];
 
 impl Board {

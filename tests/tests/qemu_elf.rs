@@ -6,9 +6,10 @@ mod emulator;
 use std::collections::BTreeMap;
 
 use eclss_target::fit::{MPS2, NUCLEO, Program};
-use emulator::{MACHINES, elf, run};
-use object::read::elf::{ElfFile32, FileHeader, SectionHeader as _};
-use object::{Endianness, Object as _, ObjectSymbol as _, elf as flags};
+use emulator::{MACHINES, elf, memory, run};
+use object::elf::FileHeader32;
+use object::read::elf::{ElfFile32, ElfSymbol};
+use object::{Endianness, Object as _, ObjectSymbol as _};
 
 /// Programs for microcontrollers.
 const PROGRAMS: [&str; 3] = ["qemu-mps2-an500", "qemu-mps2-an386", "nucleo-h743zi2"];
@@ -19,27 +20,10 @@ const INTEGER_RUNTIME: [&str; 4] = ["__aeabi_mem", "__aeabi_uldivmod", "__aeabi_
 fn symbols(program: &str) -> BTreeMap<String, u64> {
     let bytes = std::fs::read(elf(program)).expect("just built");
     let file = ElfFile32::<Endianness>::parse(&*bytes).expect("an ELF file of a 32-bit processor");
-    let named = |symbol: object::read::elf::ElfSymbol<'_, '_, flags::FileHeader32<Endianness>>| {
+    let named = |symbol: ElfSymbol<'_, '_, FileHeader32<Endianness>>| {
         Some((symbol.name().ok()?.to_owned(), symbol.size()))
     };
     file.symbols().filter_map(named).collect()
-}
-
-/// Bytes in flash (code, constants, initial values) and of statics in RAM, without the stack.
-fn memory(program: &str) -> (u64, u64) {
-    let bytes = std::fs::read(elf(program)).expect("just built");
-    let header = flags::FileHeader32::<Endianness>::parse(&*bytes).expect("an ELF header");
-    let endian = header.endian().expect("a byte order");
-    let sections = header.sections(endian, &*bytes).expect("sections");
-    sections.iter().filter(|section| section.sh_flags(endian) & flags::SHF_ALLOC != 0).fold(
-        (0, 0),
-        |(flash, ram), section| {
-            let size = u64::from(section.sh_size(endian));
-            let stored = section.sh_type(endian) != flags::SHT_NOBITS;
-            let written = section.sh_flags(endian) & flags::SHF_WRITE != 0;
-            (flash + if stored { size } else { 0 }, ram + if written { size } else { 0 })
-        },
-    )
 }
 
 /// What the compiler adds where a panic can be reached; the handler itself goes by a reserved name.
@@ -49,10 +33,12 @@ fn can_panic(name: &str) -> bool {
 
 /// Arithmetic that the processor does not have: all of `f64`, and conversions of 64-bit integers.
 fn in_software(name: &str) -> bool {
-    let arithmetic = name.starts_with("__aeabi_") && !INTEGER_RUNTIME.iter().any(|start| name.starts_with(start));
-    arithmetic || ["df2", "df3", "sf2", "sf3", "sidf", "didf", "disf", "dfsi", "dfdi", "sfdi"].iter().any(|part| {
-        name.starts_with("__") && name.contains(part)
-    })
+    let arithmetic =
+        name.starts_with("__aeabi_") && !INTEGER_RUNTIME.iter().any(|start| name.starts_with(start));
+    arithmetic
+        || ["df2", "df3", "sf2", "sf3", "sidf", "didf", "disf", "dfsi", "dfdi", "sfdi"]
+            .iter()
+            .any(|part| name.starts_with("__") && name.contains(part))
 }
 
 fn allocates(name: &str) -> bool {
@@ -74,7 +60,7 @@ fn a_step_cannot_panic_allocate_or_compute_in_software() {
     assert_eq!(named(&bare, allocates), [""; 0], "a heap");
     // The steps are there: square roots by the processor, and code of all methods.
     assert!(bare.contains_key("eclss_vsqrt_f32"));
-    let (flash, _) = memory("bare");
+    let (flash, _) = memory(&elf("bare"));
     assert!(flash > 20_000, "{flash} bytes hold no five methods");
 }
 
@@ -105,7 +91,7 @@ fn no_firmware_has_a_heap_or_computes_in_software() {
 #[test]
 fn programs_take_no_more_than_is_kept_for_them() {
     let within = |name: &str, kept: Program, stack: u64| {
-        let (flash, ram) = memory(name);
+        let (flash, ram) = memory(&elf(name));
         assert!(flash <= kept.flash, "{name}: {flash} of {} bytes of flash", kept.flash);
         assert!(ram + stack <= kept.ram, "{name}: {ram} + {stack} of {} bytes of RAM", kept.ram);
         stack

@@ -1,4 +1,4 @@
-//! Reads what we need of a 32-bit little-endian ELF file: section sizes and symbol names.
+//! Reads what we need of a 32-bit little-endian ELF file: how much memory its sections take.
 
 use crate::Outcome;
 use std::path::Path;
@@ -8,18 +8,14 @@ struct Section {
     kind: u32,
     flags: u32,
     address: u32,
-    offset: usize,
     size: usize,
-    link: usize,
 }
 
 /// A firmware image.
 pub(crate) struct Elf {
-    bytes: Vec<u8>,
     sections: Vec<Section>,
 }
 
-const SYMBOL_TABLE: u32 = 2;
 const NO_BITS: u32 = 8;
 const WRITABLE: u32 = 1;
 const ALLOCATED: u32 = 2;
@@ -28,28 +24,26 @@ impl Elf {
     /// Reads the section table.
     pub(crate) fn read(path: &Path) -> Outcome<Self> {
         let bytes = std::fs::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
-        Self::parse(bytes).ok_or_else(|| format!("{} is no 32-bit little-endian ELF file", path.display()))
+        Self::parse(&bytes).ok_or_else(|| format!("{} is no 32-bit little-endian ELF file", path.display()))
     }
 
-    fn parse(bytes: Vec<u8>) -> Option<Self> {
+    fn parse(bytes: &[u8]) -> Option<Self> {
         if bytes.get(..6)? != b"\x7fELF\x01\x01" {
             return None;
         }
-        let table = word(&bytes, 32)? as usize;
-        let (size, count) = (usize::from(half(&bytes, 46)?), usize::from(half(&bytes, 48)?));
+        let table = word(bytes, 32)? as usize;
+        let (size, count) = (usize::from(half(bytes, 46)?), usize::from(half(bytes, 48)?));
         let section = |index: usize| {
             let at = table + index * size;
             Some(Section {
-                kind: word(&bytes, at + 4)?,
-                flags: word(&bytes, at + 8)?,
-                address: word(&bytes, at + 12)?,
-                offset: word(&bytes, at + 16)? as usize,
-                size: word(&bytes, at + 20)? as usize,
-                link: word(&bytes, at + 24)? as usize,
+                kind: word(bytes, at + 4)?,
+                flags: word(bytes, at + 8)?,
+                address: word(bytes, at + 12)?,
+                size: word(bytes, at + 20)? as usize,
             })
         };
         let sections = (0..count).map(section).collect::<Option<Vec<_>>>()?;
-        Some(Self { bytes, sections })
+        Some(Self { sections })
     }
 
     /// Bytes in flash (code, constants, initial values) and bytes of statics in RAM, without the stack.
@@ -61,20 +55,6 @@ impl Elf {
             (flash + in_flash, ram + in_ram)
         })
     }
-
-    /// Name and size \[bytes\] of every symbol.
-    #[allow(dead_code, reason = "first used by the checks on the minimal image")]
-    pub(crate) fn symbols(&self) -> impl Iterator<Item = (&str, u32)> {
-        let tables = self.sections.iter().filter(|section| section.kind == SYMBOL_TABLE);
-        tables.flat_map(move |table| {
-            let names = self.sections.get(table.link).map_or(0, |section| section.offset);
-            (0..table.size / 16).filter_map(move |index| {
-                let at = table.offset + index * 16;
-                let name = text(&self.bytes, names + word(&self.bytes, at)? as usize)?;
-                Some((name, word(&self.bytes, at + 8)?))
-            })
-        })
-    }
 }
 
 fn half(bytes: &[u8], at: usize) -> Option<u16> {
@@ -83,10 +63,4 @@ fn half(bytes: &[u8], at: usize) -> Option<u16> {
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
-}
-
-fn text(bytes: &[u8], at: usize) -> Option<&str> {
-    let rest = bytes.get(at..)?;
-    let end = rest.iter().position(|byte| *byte == 0)?;
-    std::str::from_utf8(&rest[..end]).ok()
 }

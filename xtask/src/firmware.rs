@@ -99,7 +99,7 @@ pub(crate) fn ensure_set_up() -> Outcome {
 }
 
 /// Adds what selects a board's firmware to a cargo command.
-fn select(cargo: &mut Command, board: &Board) -> Outcome {
+pub(crate) fn select(cargo: &mut Command, board: &Board) -> Outcome {
     cargo.args(["--package", "eclss-target", "--profile", "firmware"]);
     cargo.args(["--bin", board.name, "--features", board.name]);
     if !board.hosted {

@@ -2,8 +2,10 @@
 //!
 //! Only the standard library is used, so that the first thing a newcomer runs compiles in a second.
 
+mod budget;
 mod elf;
 mod firmware;
+mod fit;
 mod process;
 mod project;
 mod qemu;
@@ -25,9 +27,12 @@ cargo xtask <command>
   build [BOARD …]           build the firmware of the given boards (default: all) and print flash and RAM
   qemu [--board BOARD] [--seconds N]
                             run the firmware on an emulated board and print its log
+  budget [--check]          count what a step costs on the emulated boards and write docs/budgets.md, or
+                            fail when something costs more than it says
   flash                     build the firmware for a NUCLEO-H743ZI2 and flash it with probe-rs
 
-BOARD is one of qemu-mps2-an500, qemu-mps2-an386, nucleo-h743zi2 and rt-pc.";
+BOARD is one of qemu-mps2-an500, qemu-mps2-an386, nucleo-h743zi2 and rt-pc. ECLSS_NETWORK names the network file that
+is compiled in, networks/paper.toml unless it is set.";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -40,6 +45,7 @@ fn main() -> ExitCode {
         "test" => test::test(rest),
         "build" => firmware::command(rest),
         "qemu" => qemu::command(rest),
+        "budget" => budget::command(rest),
         "flash" => firmware::flash(rest),
         "help" | "--help" | "-h" => {
             println!("{HELP}");

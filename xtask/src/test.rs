@@ -2,7 +2,7 @@
 
 use crate::process::{command, run};
 use crate::report::Stages;
-use crate::{Outcome, firmware, project, qemu, setup};
+use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
 
 /// Runs the stages in order of how soon they answer and stops at the first failure.
 pub(crate) fn test(arguments: &[String]) -> Outcome {
@@ -22,7 +22,9 @@ fn all(stages: &mut Stages) -> Outcome {
     stages.stage("documentation", documentation)?;
     stages.stage("setup", || setup::setup(&[]))?;
     stages.stage("firmware", firmware::check)?;
-    stages.stage("boards in QEMU", qemu::test)
+    stages.stage("boards in QEMU", qemu::test)?;
+    stages.stage("budget", || budget::command(&["--check".into()]))?;
+    stages.stage("a network that is too large", fit::refuses)
 }
 
 /// Whether this is a machine that decides about changes: there, what could not be checked counts as wrong.

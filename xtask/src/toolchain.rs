@@ -47,6 +47,17 @@ impl Toolchain {
         cargo
     }
 
+    /// Name and version of the compiler.
+    pub(crate) fn version(&self) -> Option<String> {
+        let mut rustc = match self {
+            Self::Active => Command::new("rustc"),
+            Self::Private(sysroot) => Command::new(sysroot.join("bin/rustc")),
+        };
+        // `rustc 1.96.0 (…)`: the release is what matters.
+        let text = output(rustc.arg("-V"))?;
+        Some(text.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
+    }
+
     /// `cargo clippy` of this toolchain.
     pub(crate) fn clippy(&self) -> Command {
         let mut clippy = self.cargo();

@@ -1,5 +1,9 @@
 //! Runs programs in QEMU and returns their decoded logs. Shared by the tests and by the budget.
-#![allow(dead_code, reason = "every test takes what it needs of it")]
+#![allow(dead_code, unused_imports, reason = "every test takes what it needs of it")]
+
+mod program;
+
+pub(crate) use program::memory;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};

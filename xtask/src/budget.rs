@@ -1,0 +1,32 @@
+//! `cargo xtask budget`: what a step costs, measured on the emulated boards.
+
+use crate::firmware::ensure_set_up;
+use crate::process::run;
+use crate::toolchain::Toolchain;
+use crate::{Outcome, project, qemu};
+use std::process::Command;
+
+/// `cargo xtask budget [--check]`: writes `docs/budgets.md`, or fails when something became dearer than it says.
+pub(crate) fn command(arguments: &[String]) -> Outcome {
+    if let Some(unknown) = arguments.iter().find(|argument| *argument != "--check") {
+        return Err(format!("unknown argument `{unknown}`"));
+    }
+    ensure_set_up()?;
+    let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
+    let mut budget = Command::new("cargo");
+    budget.args([
+        "run",
+        "--release",
+        "--package",
+        "eclss-tests",
+        "--features",
+        "qemu",
+        "--bin",
+        "budget",
+        "--",
+    ]);
+    budget.args(arguments).current_dir(project::root());
+    budget.env("ECLSS_COMPILER", toolchain.version().ok_or("the compiler does not answer")?);
+    qemu::hand_over(&mut budget)?;
+    run(&mut budget)
+}
