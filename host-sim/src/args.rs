@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use eclss_core::Method;
+use eclss_network_file::generate::Shape;
 
 use crate::Duration;
 
@@ -33,6 +34,10 @@ pub(crate) enum Command {
     Stability(StabilityArgs),
     /// Measure what a step costs against the number of equations.
     Bench(BenchArgs),
+    /// Make up a network of any size.
+    Generate(GenerateArgs),
+    /// Solve for the state of rest: flows and pressures with the inputs of the start.
+    Steady(SteadyArgs),
 }
 
 /// Arguments of `paper`.
@@ -133,6 +138,40 @@ pub(crate) struct BenchArgs {
     /// Folder for CSV and plot.
     #[arg(long, default_value = "results/bench", value_name = "DIR")]
     pub(crate) out: PathBuf,
+}
+
+/// Arguments of `generate`.
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    /// How nodes hang together: chain, star, tree or mesh.
+    #[arg(value_parser = shape)]
+    pub(crate) shape: Shape,
+    /// Number of nodes, supply and exhaust among them.
+    #[arg(long, value_name = "N")]
+    pub(crate) nodes: usize,
+    /// What the figures are drawn from.
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    pub(crate) seed: u64,
+    /// File to write; printed when absent.
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Arguments of `steady`.
+#[derive(Debug, Args)]
+pub(crate) struct SteadyArgs {
+    /// Network file.
+    pub(crate) network: PathBuf,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn shape(name: &str) -> Result<Shape, String> {
+    Shape::from_name(name).ok_or_else(|| {
+        let names: Vec<_> = Shape::ALL.iter().map(|shape| shape.name()).collect();
+        format!("no such shape; there are {}", names.join(", "))
+    })
 }
 
 fn method(name: &str) -> Result<Method, String> {

@@ -2,9 +2,11 @@
 
 mod bench;
 mod check;
+mod generate;
 mod paper;
 mod run;
 mod stability;
+mod steady;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -52,6 +54,8 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Check(args)) => check::run(args, out),
         Some(Command::Stability(args)) => stability::run(args, out),
         Some(Command::Bench(args)) => bench::run(args, out),
+        Some(Command::Generate(args)) => generate::run(args, out),
+        Some(Command::Steady(args)) => steady::run(args, out),
     }
 }
 

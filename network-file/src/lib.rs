@@ -42,6 +42,7 @@ mod duration;
 mod element;
 mod error;
 mod flow_row;
+pub mod generate;
 mod input;
 pub mod limits;
 mod loaded;
