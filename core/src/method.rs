@@ -42,6 +42,8 @@ pub enum MethodError {
     Plan(PlanError),
     /// A line drains more than 11.8 % of its flow, for which the method's bound is not proven.
     TooMuchRemoved(u32),
+    /// The nodes of a line start further apart than 10 kPa, where pseudo-time would move real mass.
+    PressureDifference(u32),
     /// A segment has neither inertance nor a loss at rest, so nothing decides its flow.
     NothingResists(u32),
 }

@@ -19,6 +19,9 @@ use crate::math;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Proof {
+    /// The method needs no bound on eigenvalues: `adaptive` does not expand by its theorem, the implicit methods
+    /// solve for the step's end. It says nothing about what arithmetic does.
+    ByConstruction,
     /// The flow row dominates: every eigenvalue lies in the disc by Gershgorin's theorem.
     Dominant,
     /// The step is short against the flow row (2·h·R·|w| < ½), as in the paper's loop with its valve open. A
@@ -35,7 +38,8 @@ pub enum Proof {
 pub struct Margin {
     /// Smallest φ of any line [1, 0…1]; 1 where nothing is slowed.
     pub phi: f32,
-    /// Largest upper bound of the spectral radius of any line's step [1]; below 1 it proves stability.
+    /// Largest upper bound of the spectral radius of any line's step [1]; below 1 it proves stability. NaN for
+    /// methods that need none.
     pub spectral_bound: f32,
     /// The weakest of the lines' proofs.
     pub proof: Proof,
@@ -43,7 +47,12 @@ pub struct Margin {
 
 impl Margin {
     /// The margin of nothing: the neutral element of [`Self::with`].
-    pub const FREE: Self = Self { phi: 1.0, spectral_bound: 0.0, proof: Proof::Dominant };
+    pub const FREE: Self = Self { phi: 1.0, spectral_bound: 0.0, proof: Proof::ByConstruction };
+
+    /// The margin of a method that is stable by construction, with the smallest φ of any node.
+    pub(crate) const fn by_construction(phi: f32) -> Self {
+        Self { phi, spectral_bound: f32::NAN, proof: Proof::ByConstruction }
+    }
 
     /// Returns the worse of both, figure by figure.
     #[must_use]

@@ -67,8 +67,14 @@ pub struct Fault {
 impl Fault {
     /// Largest mass flow of any line [kg/s].
     pub const FLOW_LIMIT_KG_S: f32 = 1e3;
-    /// Largest deviation of any pressure from the reference [Pa].
+    /// Largest deviation of any pressure from the reference [Pa]. An absolute pressure below zero is out of range
+    /// as well.
     pub const GAUGE_LIMIT_PA: f32 = 1e7;
+
+    /// Whether a gauge pressure over `reference_pa` is out of range; vacuum itself, with its rounding, is not.
+    pub(crate) fn outside(gauge_pa: f32, reference_pa: f32) -> bool {
+        crate::math::beyond(gauge_pa, Self::GAUGE_LIMIT_PA) || gauge_pa < -reference_pa
+    }
 }
 
 /// Whether a run may be trusted.
@@ -232,7 +238,7 @@ impl<'a, E: Element> Simulator<'a, E> {
             ),
         };
         self.margin = margin;
-        self.worst_margin = self.worst_margin.with(margin);
+        self.worst_margin = if self.tick == 0 { margin } else { self.worst_margin.with(margin) };
         self.unproven_ticks += u64::from(margin.proof == Proof::None);
         self.tick += 1;
         self.time_us += u64::from(settings.step_us);
@@ -335,12 +341,19 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.observer().line_flow_kg_s(line)
     }
 
-    /// Mass flow at the inlet of segment `segment` of line `line` [kg/s].
+    /// Reads line `line` in one pass, last segment first: calls `each` with the segment (counted over all lines),
+    /// the mass flow at its inlet [kg/s] and the gauge pressure at its outlet [Pa].
+    pub fn read_line(&self, line: usize, each: impl FnMut(usize, f32, f32)) {
+        self.observer().read_line(line, each);
+    }
+
+    /// Mass flow at the inlet of segment `segment` (counted over all lines) of line `line` [kg/s]. Walks the line;
+    /// [`Self::read_line`] gives all of it at once.
     pub fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
         self.observer().segment_flow_kg_s(line, segment)
     }
 
-    /// Gauge pressure at the outlet of segment `segment` of line `line` [Pa].
+    /// Gauge pressure at the outlet of segment `segment` (counted over all lines) of line `line` [Pa].
     pub fn outlet_gauge_pa(&self, line: usize, segment: usize) -> f32 {
         self.observer().outlet_gauge_pa(line, segment)
     }

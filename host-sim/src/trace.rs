@@ -18,23 +18,36 @@ pub enum Figure {
     SpectralBound,
 }
 
+/// Flow at the inlet [kg/s] and gauge pressure at the outlet [Pa] of every segment, read line by line: one by one
+/// it would take a walk along the line for each.
+#[derive(Debug, Clone)]
+pub struct Segments(Vec<(f32, f32)>);
+
+impl Segments {
+    /// Reads them all.
+    pub fn of<E: Element>(simulator: &Simulator<'_, E>) -> Self {
+        let network = simulator.network();
+        let mut all = vec![(f32::NAN, f32::NAN); network.segments.len()];
+        for line in 0..network.lines.len() {
+            simulator.read_line(line, |segment, flow, outlet| all[segment] = (flow, outlet));
+        }
+        Self(all)
+    }
+}
+
 impl Figure {
     /// Reads the figure.
-    pub fn read<E: Element>(self, simulator: &Simulator<'_, E>) -> f32 {
-        // The core counts segments over all lines.
-        let place = |line: usize, segment: usize| {
+    pub fn read<E: Element>(self, simulator: &Simulator<'_, E>, segments: &Segments) -> f32 {
+        // Files count segments by line, the core over all lines.
+        let of = |line: usize, segment: usize| {
             let first = simulator.network().lines.get(line).map_or(0, |line| line.first_segment as usize);
-            first + segment
+            segments.0.get(first + segment).copied().unwrap_or((f32::NAN, f32::NAN))
         };
         match self {
             Self::Point(Quantity::NodePressure { node }) => simulator.node_gauge_pa(node),
             Self::Point(Quantity::LineFlow { line }) => simulator.line_flow_kg_s(line),
-            Self::Point(Quantity::SegmentFlow { line, segment }) => {
-                simulator.segment_flow_kg_s(line, place(line, segment))
-            }
-            Self::Point(Quantity::OutletPressure { line, segment }) => {
-                simulator.outlet_gauge_pa(line, place(line, segment))
-            }
+            Self::Point(Quantity::SegmentFlow { line, segment }) => of(line, segment).0,
+            Self::Point(Quantity::OutletPressure { line, segment }) => of(line, segment).1,
             Self::Point(Quantity::Input { slot }) => {
                 simulator.inputs().get(slot).copied().unwrap_or(f32::NAN)
             }
@@ -93,7 +106,8 @@ impl Trace {
         let due = simulator.tick() % self.every == 0 || simulator.health() != Health::Trusted;
         if due && self.times_us.last() != Some(&simulator.time_us()) {
             self.times_us.push(simulator.time_us());
-            self.values.extend(self.columns.iter().map(|column| column.figure.read(simulator)));
+            let segments = Segments::of(simulator);
+            self.values.extend(self.columns.iter().map(|column| column.figure.read(simulator, &segments)));
         }
     }
 
@@ -119,8 +133,13 @@ impl Trace {
         let rows = self.values.chunks(self.columns.len().max(1));
         for (time_us, row) in self.times_us.iter().zip(rows) {
             write!(out, "{}.{:06}", time_us / 1_000_000, time_us % 1_000_000)?;
-            for value in row {
-                write!(out, ",{value}")?;
+            for (column, value) in self.columns.iter().zip(row) {
+                // Not every method has a bound.
+                if column.figure == Figure::SpectralBound && value.is_nan() {
+                    write!(out, ",")?;
+                } else {
+                    write!(out, ",{value}")?;
+                }
             }
             writeln!(out)?;
         }

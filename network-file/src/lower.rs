@@ -282,5 +282,7 @@ fn core_checks(loaded: &Loaded, notes: &mut Notes) {
         reason::network(loaded, error, notes);
     } else if let Err(error) = loaded.run.method.check(&network, loaded.run.step_us) {
         reason::method(loaded, error, notes);
+    } else if let Some(nodes) = crate::steady::floating(&network) {
+        reason::floating(loaded, &nodes, notes);
     }
 }

@@ -96,6 +96,16 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
     notes.refuse_at(&path, keys, reason);
 }
 
+/// Names nodes whose pressure nothing fixes, at the first of them.
+pub(crate) fn floating(loaded: &Loaded, nodes: &[u32], notes: &mut Notes) {
+    let ids: Vec<&str> = nodes.iter().map(|&node| loaded.names.nodes[node as usize].as_str()).collect();
+    let path = format!("node[{}]", nodes.first().copied().unwrap_or(0));
+    let span = notes.place(&path, &["kind"]);
+    let reason =
+        format!("nothing fixes the pressure of {}: no volume and no boundary among them", ids.join(", "));
+    notes.refuse_with(span, reason, "give one of them a volume, or join them to a boundary");
+}
+
 /// Ties an error of the method's check to its place.
 pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
     let run = &loaded.file.run;
@@ -124,6 +134,12 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
             &["id"],
             format!("drains more than 11.8 % of its flow, too much for method {method}"),
             "take an implicit method, or split the line at a node",
+        ),
+        MethodError::PressureDifference(index) => (
+            format!("line[{index}]"),
+            &["from", "id"],
+            format!("starts over more than 10 kPa, too much for the pseudo-time of method {method}"),
+            "take another method in [run]",
         ),
         MethodError::NothingResists(index) => (
             element_path(loaded, index),

@@ -113,6 +113,15 @@ fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islan
     Islands::find(network)
 }
 
+/// Returns nodes that hang together without a volume or a boundary among them, if there are any: nothing fixes
+/// their pressure.
+pub(crate) fn floating<E: Element>(network: &Network<'_, E>) -> Option<Vec<u32>> {
+    match Islands::find(network) {
+        Err(SteadyError::Floating { nodes }) => Some(nodes),
+        _ => None,
+    }
+}
+
 /// Capacity dm/dp of a node [kg/Pa]; 0 for a junction and, as it never matters, for a boundary.
 fn capacity(node: &eclss_core::Node) -> f64 {
     match node.kind {

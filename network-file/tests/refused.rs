@@ -243,6 +243,37 @@ fn runs_that_cannot_be() {
 }
 
 #[test]
+fn junctions_that_nothing_holds() {
+    let text = r#"
+schema = 1
+name = "floating"
+reference_pressure_pa = 101325.0
+[run]
+method = "tr-bdf2"
+[[node]]
+id = "one"
+kind = "junction"
+pressure_pa = 101325.0
+temperature_k = 295.15
+[[node]]
+id = "two"
+kind = "junction"
+pressure_pa = 101325.0
+temperature_k = 295.15
+[[line]]
+id = "between"
+from = "one"
+to = "two"
+[[line.element]]
+id = "pipe"
+kind = "pipe"
+resistance_pa_s2_kg2 = 100.0
+"#;
+    let error = refused(text).to_string();
+    assert!(error.contains("nothing fixes the pressure of one, two"), "{error}");
+}
+
+#[test]
 fn parameters_given_twice_or_half() {
     spoil("diameter_m = 0.1", "diameter_m = 0.1\narea_m2 = «0.01", "give the cross-section once");
     spoil("length_m = 0.5", "length_m = 0.5\ninertance_per_m = «60.0", "give the inertance once");

@@ -16,7 +16,7 @@
 
 use super::common::{self, Common, Cut, LineState, NodeState};
 use crate::element::{Element, Law, Operating};
-use crate::operator::{self, Margin, Proof};
+use crate::operator::{self, Margin};
 use crate::simulator::{Fault, Place};
 use crate::{Line, Method, MethodError, Network, math};
 
@@ -146,12 +146,14 @@ pub(crate) fn step<E: Element>(
         refresh(network, inputs, state.lines, work);
         iterate(network, inputs, state.lines, work);
     }
-    step_lines(h, network.lines, work.lines, work.nodes, state.lines);
-    let (phi, square) = step_nodes(state.nodes, work.nodes);
-    // One sum tells whether anything may be wrong; only then is it looked for.
-    let limit = Fault::GAUGE_LIMIT_PA * Fault::GAUGE_LIMIT_PA;
-    let place = if square < limit { None } else { first_outside(state.lines, work.nodes) };
-    (Margin { phi, spectral_bound: 1.0, proof: Proof::Dominant }, place)
+    let flows = step_lines(h, network.lines, work.lines, work.nodes, state.lines);
+    let (phi, pressures, lowest) = step_nodes(state.nodes, work.nodes);
+    // Three figures tell whether anything may be wrong; only then is it looked for.
+    let fine = flows < Fault::FLOW_LIMIT_KG_S * Fault::FLOW_LIMIT_KG_S
+        && pressures < Fault::GAUGE_LIMIT_PA * Fault::GAUGE_LIMIT_PA
+        && lowest >= -network.reference_pa;
+    let place = if fine { None } else { first_outside(state.lines, work.nodes, network.reference_pa) };
+    (Margin::by_construction(phi), place)
 }
 
 /// Sums of a line in the order in which laws are added to them.
@@ -260,7 +262,8 @@ fn flow_of(difference: f32, figures: &LineFigures) -> (f32, f32) {
 }
 
 /// Steps lines between pressures that do not move meanwhile, books them, and adds their transfers and
-/// conductances to the nodes at their ends. A node's terms are added in the order of the lines.
+/// conductances to the nodes at their ends. A node's terms are added in the order of the lines. Returns Σw², which
+/// is not a small number when any flow is not.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn step_lines(
@@ -269,7 +272,8 @@ fn step_lines(
     figures: &[LineFigures],
     nodes: &mut [NodeFigures],
     states: &mut [LineState],
-) {
+) -> f32 {
+    let mut square = 0.0;
     for ((line, figures), state) in lines.iter().zip(figures).zip(states) {
         let (from, to) = (line.from as usize, line.to as usize);
         let (Some(&[p_from, ..]), Some(&[p_to, ..])) = (nodes.get(from), nodes.get(to)) else { continue };
@@ -278,6 +282,7 @@ fn step_lines(
             let [taken, given] = step_special(h, p_from - p_to, figures, state);
             arrive(nodes, from, taken);
             arrive(nodes, to, given);
+            square += state[0] * state[0];
             continue;
         }
         let y = (p_from - p_to) + head;
@@ -289,7 +294,9 @@ fn step_lines(
         math::compensated_add(given_sum, given_carry, passed);
         arrive(nodes, from, [-passed, conductance]);
         arrive(nodes, to, [passed, conductance]);
+        square += w * w;
     }
+    square
 }
 
 /// The same for a line that is not plain. Returns transfer and conductance at both ends.
@@ -315,12 +322,12 @@ fn arrive(nodes: &mut [NodeFigures], node: usize, [transfer, conductance]: [f32;
     }
 }
 
-/// Moves nodes by what arrived at them and clears it. Returns the smallest φ and Σp², which is not a small
-/// number when any pressure is not.
+/// Moves nodes by what arrived at them and clears it. Returns the smallest φ, Σp², which is not a small
+/// number when any pressure is not, and the lowest pressure [Pa gauge, ≤ 0].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn step_nodes(states: &mut [NodeState], figures: &mut [NodeFigures]) -> (f32, f32) {
-    let (mut smallest, mut square) = (1.0f32, 0.0f32);
+fn step_nodes(states: &mut [NodeState], figures: &mut [NodeFigures]) -> (f32, f32, f32) {
+    let (mut smallest, mut square, mut lowest) = (1.0f32, 0.0f32, 0.0f32);
     for (state, figures) in states.iter_mut().zip(figures) {
         let [mass, carry, owed, owed_carry] = state;
         let [pressure, net, lost, conductance, per_mass, rate, start, slowed] = figures;
@@ -336,14 +343,15 @@ fn step_nodes(states: &mut [NodeState], figures: &mut [NodeFigures]) -> (f32, f3
         (*net, *lost, *conductance) = (0.0, 0.0, 0.0);
         *pressure = *start + *per_mass * *mass;
         square += *pressure * *pressure;
+        lowest = if *pressure < lowest { *pressure } else { lowest };
     }
-    (smallest, square)
+    (smallest, square, lowest)
 }
 
 /// Names what left its range; only asked for when something did.
 #[cold]
-fn first_outside(lines: &[LineState], nodes: &[NodeFigures]) -> Option<Place> {
+fn first_outside(lines: &[LineState], nodes: &[NodeFigures], reference_pa: f32) -> Option<Place> {
     let line = lines.iter().position(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S));
-    let node = || nodes.iter().position(|[pressure, ..]| math::beyond(*pressure, Fault::GAUGE_LIMIT_PA));
+    let node = || nodes.iter().position(|[pressure, ..]| Fault::outside(*pressure, reference_pa));
     line.map(|index| Place::Line(index as u32)).or_else(|| node().map(|index| Place::Node(index as u32)))
 }

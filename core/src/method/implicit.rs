@@ -22,7 +22,7 @@ use self::line::{CELL, Cell};
 use self::matrix::Matrix;
 use super::common::{self, Common, Cut};
 use crate::element::{Element, Operating};
-use crate::operator::{Margin, Proof};
+use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
 use crate::{Line, Method, MethodError, Network, NodeKind, Plan, Segment, air, math};
 
@@ -222,7 +222,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         [0.0, 1.0]
     };
     let place = commit(network, h, weights, &mut state, work);
-    (Margin { phi: 1.0, spectral_bound: 1.0, proof: Proof::Dominant }, place)
+    (Margin::by_construction(1.0), place)
 }
 
 /// Takes flows and pressures of the step's start over into the cells and clears the iterate.
@@ -459,7 +459,7 @@ fn commit<E: Element>(
         } else {
             node.start_gauge_pa + *per_mass * *mass
         };
-        if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
+        if Fault::outside(*pressure, network.reference_pa) {
             place = place.or(Some(Place::Node(index)));
         }
     }

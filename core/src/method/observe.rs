@@ -5,8 +5,8 @@
 
 use super::common::{self, Common};
 use super::{adaptive, implicit};
-use crate::element::{Element, Operating};
-use crate::{Line, Method, Network, math};
+use crate::element::{Element, Law, Operating};
+use crate::{Method, Network, Segment, math};
 
 /// A method's buffers, read only.
 pub(crate) struct Observer<'v, 'n, E> {
@@ -72,67 +72,71 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Flow at a segment's inlet [kg/s]; NaN for a segment that is not the line's.
     pub(crate) fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
-        if !self.belongs(line, segment) {
-            return f32::NAN;
-        }
-        if self.is_implicit() {
-            return self.own_state(segment).0;
-        }
-        let Some(description) = self.network.lines.get(line) else { return f32::NAN };
-        let w = self.line_flow_kg_s(line);
-        let mut found = 1.0;
-        common::flow_ratios(self.network, description, |index, _, ratio| {
-            if description.first_segment as usize + index == segment {
-                found = ratio;
-            }
-        });
-        if w > 0.0 { w * found } else { w }
+        self.one_of(line, segment, |flow, _| flow)
     }
 
-    /// Gauge pressure at a segment's outlet [Pa]: a state of its own where the method has one, otherwise from
-    /// the line's end back by the laws of what lies behind.
+    /// Gauge pressure at a segment's outlet [Pa]; NaN for a segment that is not the line's.
     pub(crate) fn outlet_gauge_pa(&self, line: usize, segment: usize) -> f32 {
-        let Some(description) = self.network.lines.get(line).filter(|_| self.belongs(line, segment)) else {
-            return f32::NAN;
-        };
+        self.one_of(line, segment, |_, outlet| outlet)
+    }
+
+    fn one_of(&self, line: usize, segment: usize, pick: impl Fn(f32, f32) -> f32) -> f32 {
+        let mut found = f32::NAN;
+        if self.belongs(line, segment) {
+            self.read_line(line, |index, flow, outlet| {
+                if index == segment {
+                    found = pick(flow, outlet);
+                }
+            });
+        }
+        found
+    }
+
+    /// Reads a whole line in one pass, last segment first: calls `each` with segment, flow at its inlet [kg/s] and
+    /// gauge pressure at its outlet [Pa]. A pressure is a state of its own where the method has one, otherwise it
+    /// follows from the line's end by the laws of what lies behind.
+    pub(crate) fn read_line(&self, line: usize, mut each: impl FnMut(usize, f32, f32)) {
+        let Some(description) = self.network.lines.get(line) else { return };
         let first = description.first_segment as usize;
-        let last = first + description.segments as usize - 1;
-        if self.is_implicit() && segment < last {
-            return self.own_state(segment).1;
-        }
-        let relaxes = matches!(self.method, Method::Euler | Method::Relaxation);
-        if relaxes && segment < first + description.flow_segment as usize {
-            let gauges = Common::length(self.network);
-            return self.node_gauge_pa(description.from as usize) + self.state_at(gauges + segment);
-        }
-        let laminar = self.laminar_flow_kg_s(line, description);
+        let segments = self.network.segments_of(description);
         let mut pressure = self.node_gauge_pa(description.to as usize);
-        for index in (segment + 1..=last).rev() {
-            pressure += self.drop_pa(line, index, laminar);
+        if self.is_implicit() {
+            for index in (first..first + segments.len()).rev() {
+                let (flow, gauge) = self.own_state(index);
+                let last = index + 1 == first + segments.len();
+                each(index, flow, if last { pressure } else { gauge });
+            }
+            return;
         }
-        pressure
+        let w = self.line_flow_kg_s(line);
+        let relaxes = matches!(self.method, Method::Euler | Method::Relaxation);
+        let own = if relaxes { description.flow_segment as usize } else { 0 };
+        let from = self.node_gauge_pa(description.from as usize);
+        let mut resistance = 0.0;
+        let mut ratio = common::flow_ratios(self.network, description, |_, segment, ratio| {
+            resistance += self.law(segment, w, ratio).resistance;
+        });
+        let laminar = math::sqrt(description.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
+        for (offset, segment) in segments.iter().enumerate().rev() {
+            let index = first + offset;
+            ratio *= 1.0 + segment.element.removal();
+            let flow = if w > 0.0 { ratio * w } else { w };
+            if offset < own {
+                each(index, flow, from + self.state_at(Common::length(self.network) + index));
+                continue;
+            }
+            each(index, flow, pressure);
+            let law = self.law(segment, w, ratio);
+            let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
+            pressure += loss - law.head;
+        }
     }
 
-    /// Flow below which a line is linear [kg/s].
-    fn laminar_flow_kg_s(&self, line: usize, description: &Line) -> f32 {
-        let first = description.first_segment as usize;
-        let segments = first..first + description.segments as usize;
-        let resistance: f32 = segments.map(|segment| self.law(line, segment).0).sum();
-        math::sqrt(description.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE))
-    }
-
-    /// Resistance, linear resistance and head of a segment, and the flow through it.
-    fn law(&self, line: usize, segment: usize) -> (f32, f32, f32, f32) {
-        let w = self.segment_flow_kg_s(line, segment);
-        let Some(description) = self.network.segments.get(segment) else { return (f32::NAN, 0.0, 0.0, w) };
-        let inputs = self.inputs.get(description.first_input as usize..).unwrap_or(&[]);
-        let law = description.element.law(&Operating { inputs, mass_flow_kg_s: w, density_ratio: 1.0 });
-        (law.resistance, law.linear, law.head, w)
-    }
-
-    fn drop_pa(&self, line: usize, segment: usize, laminar: f32) -> f32 {
-        let (resistance, linear, head, w) = self.law(line, segment);
-        resistance * w * math::larger(w.abs(), laminar) + linear * w - head
+    /// Law of a segment at its part of the line's flow `w` [kg/s].
+    fn law(&self, segment: &Segment<E>, w: f32, ratio: f32) -> Law {
+        let inputs = self.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+        let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
+        segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
     }
 
     /// A pair of sum and carry as one number.

@@ -16,7 +16,7 @@
 
 use super::common::{self, Common, Cut};
 use crate::element::{Element, Operating};
-use crate::operator::{self, FlowRow, Margin};
+use crate::operator::{self, FlowRow, Margin, Proof};
 use crate::simulator::{Fault, Place};
 use crate::{Line, Method, MethodError, Network, Segment, math};
 
@@ -24,6 +24,10 @@ use crate::{Line, Method, MethodError, Network, Segment, math};
 /// constant part (forward, reverse) and all of it, and ΣL; head of the flow row, the constant part and all of it;
 /// ratio of inlet and of outlet flow to the line's.
 const LINE_FIGURES: usize = 10;
+
+/// Largest pressure difference between the nodes of a line at the start [Pa]. The flow row has a unit rate: from rest
+/// it gains h·Δp [kg/s] in one step, which at ventilation pressures is little and at a leak to vacuum a cabin's air.
+const LARGEST_DIFFERENCE_PA: f32 = 1e4;
 
 /// Smallest flow at which a linear loss is turned into a quadratic one [kg/s].
 const SMALLEST_FLOW: f32 = 1e-6;
@@ -44,6 +48,12 @@ pub(crate) fn check<E: Element>(
         return Err(MethodError::Step { longest_us });
     }
     Method::refuse_junctions(network)?;
+    for (index, line) in (0u32..).zip(network.lines) {
+        let gauge = |node: u32| network.nodes.get(node as usize).map_or(0.0, |node| node.start_gauge_pa);
+        if (gauge(line.from) - gauge(line.to)).abs() > LARGEST_DIFFERENCE_PA {
+            return Err(MethodError::PressureDifference(index));
+        }
+    }
     let h = step_us as f32 * 1e-6;
     for (index, node) in (0u32..).zip(network.nodes) {
         let stiffness = h * h * node.pressure_per_mass_pa_kg();
@@ -190,7 +200,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let nodes = state.common.nodes.iter().zip(work.pressure).zip(work.per_mass);
     for ((([mass, ..], pressure), per_mass), (index, node)) in nodes.zip((0u32..).zip(network.nodes)) {
         *pressure = node.start_gauge_pa + *per_mass * *mass;
-        if math::beyond(*pressure, Fault::GAUGE_LIMIT_PA) {
+        if Fault::outside(*pressure, network.reference_pa) {
             place = place.or(Some(Place::Node(index)));
         }
     }
@@ -290,7 +300,7 @@ fn step_line(
         work.pressure.get(from),
         work.pressure.get(to),
     ) else {
-        return Margin::FREE;
+        return Margin { phi: 0.0, spectral_bound: f32::INFINITY, proof: Proof::None };
     };
     let w = *flow;
     let resistance = if w > 0.0 { &work.forward } else { &work.reverse };
@@ -300,7 +310,7 @@ fn step_line(
         resistance.get(rows.clone()),
         work.head.get(rows),
     ) else {
-        return Margin::FREE;
+        return Margin { phi: 0.0, spectral_bound: f32::INFINITY, proof: Proof::None };
     };
     let &[_, others, _, _, folded, linear, _, fold_head, inlet, outlet] = figures;
 
