@@ -1,14 +1,14 @@
 //! Conversions for what a person reads. Nothing here ever feeds the state.
 //!
 //! This is the place of `micromath`: a few instructions per function for an error that no reader of a log can
-//! see. Its functions are called by their full names, because on a host the standard library's exact ones would
-//! quietly stand in for them.
+//! see, because levels are shown in whole decibels. Its functions are called by their full names: on a host the
+//! standard library's exact ones would quietly stand in for them.
 
 /// What counts as zero \[1\]: the smallest level is −200 dB.
 const ZERO: f32 = 1e-10;
 
 /// Largest error of [`level_db`] \[dB\].
-pub const LEVEL_ERROR_DB: f32 = 0.05;
+pub const LEVEL_ERROR_DB: f32 = 1.1;
 
 /// Returns `ratio` as a level \[dB\], 20·log₁₀, within [`LEVEL_ERROR_DB`]; −200 dB for anything not above 1e-10.
 pub fn level_db(ratio: f32) -> f32 {

@@ -20,6 +20,8 @@ pub const SEGMENTS: usize = 256;
 pub const SCHEDULES: usize = 16;
 /// Entries of L + U.
 const ENTRIES: usize = 512;
+/// Numbers of state, and as many of work, that a network of these capacities may need with any method.
+pub const NUMBERS: usize = 8 * 1024;
 /// Bytes of the hash at the end.
 const TRAILER: usize = 8;
 /// Most bytes of an image that fits these capacities: every table full, every number at its longest.
@@ -138,7 +140,9 @@ pub fn write<'b>(
 
 fn hash(bytes: &[u8]) -> u64 {
     let mut hash = Fingerprint::default();
-    bytes.iter().for_each(|byte| hash.word(u32::from(*byte)));
+    for byte in bytes {
+        hash.word(u32::from(*byte));
+    }
     hash.finish()
 }
 
@@ -205,7 +209,7 @@ mod tests {
 
     fn written(loaded: &Loaded, method: Method) -> std::vec::Vec<u8> {
         let settings = Settings { method, step_us: loaded.run.step_us };
-        write(&loaded.network(), settings, &mut [0; BYTES]).expect("it fits").to_vec()
+        write(&loaded.network(), settings, &mut vec![0; BYTES]).expect("it fits").to_vec()
     }
 
     #[test]
@@ -219,6 +223,50 @@ mod tests {
             assert_eq!((ours.segments, ours.active), (theirs.segments, theirs.active));
             assert_eq!((ours.schedules, ours.points), (theirs.schedules, theirs.points));
             assert_eq!((ours.inputs, ours.id()), (theirs.inputs, theirs.id()));
+        }
+    }
+
+    /// The largest network that an image holds finds room for its state, its image, and no more.
+    #[test]
+    fn the_buffers_are_enough_for_the_whole_capacity() {
+        let paper = paper();
+        let per_line = SEGMENTS / NODES;
+        let lines: std::vec::Vec<Line> = (0..NODES)
+            .map(|line| Line {
+                first_segment: (line * per_line) as u32,
+                segments: per_line as u32,
+                flow_segment: per_line as u32 - 1,
+                ..paper.lines[0]
+            })
+            .collect();
+        let network = Network {
+            nodes: &[paper.nodes[0]; NODES],
+            lines: &lines,
+            segments: &[paper.segments[0]; SEGMENTS],
+            active: &[Active { segment: u32::MAX, line: u32::MAX }; SEGMENTS],
+            inputs: &[f32::MAX; SEGMENTS],
+            schedules: &[paper.schedules[0]; SCHEDULES],
+            points: &[SchedulePoint { time_us: u64::MAX, value: f32::MAX }; SEGMENTS],
+            plan: Plan {
+                end_start: &[u32::MAX; NODES + 1],
+                ends: &[u32::MAX; 2 * NODES],
+                order: &[u32::MAX; NODES],
+                row_start: &[u32::MAX; NODES + 1],
+                columns: &[u32::MAX; ENTRIES],
+                diagonal: &[u32::MAX; NODES],
+                stamps: &[[u32::MAX; 4]; NODES],
+                row_of: &[u32::MAX; NODES],
+            },
+            ..paper.network()
+        };
+        for method in Method::ALL {
+            let sizes = method.sizes(&network);
+            assert!(sizes.state.max(sizes.work) <= NUMBERS, "{}: {sizes:?}", method.name());
+            assert!(sizes.inputs <= 3 * SEGMENTS && sizes.cursors <= SCHEDULES);
+            let settings = Settings { method, step_us: u32::MAX };
+            let mut buffer = vec![0; BYTES];
+            let bytes = write(&network, settings, &mut buffer).expect("the largest image fits");
+            assert!(Image::read(bytes).is_ok());
         }
     }
 

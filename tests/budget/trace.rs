@@ -145,7 +145,8 @@ impl Program {
         let mut calling = false;
         let mut frames = self.source.find_frames(address).expect("debug information");
         while let Some(frame) = frames.next().expect("debug information") {
-            let function = frame.function.and_then(|name| name.demangle().map(|name| name.into_owned()).ok());
+            let function =
+                frame.function.and_then(|name| name.demangle().map(std::borrow::Cow::into_owned).ok());
             let function = function.unwrap_or_default();
             let file = frame.location.and_then(|place| place.file).unwrap_or_default();
             own = own.or_else(|| part_of(file, bare_name(&function)));

@@ -49,7 +49,7 @@ fn on_the_host(network: &Network<'_>, method: Method) -> End {
 /// Writes an image of a network into the test's own folder and returns its path.
 fn image_of(network: &Network<'_>, method: Method, name: &str) -> String {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.image"));
-    let mut buffer = [0; image::BYTES];
+    let mut buffer = vec![0; image::BYTES];
     let bytes = image::write(network, Settings { method, step_us: 1_000 }, &mut buffer).expect("it fits");
     std::fs::write(&path, bytes).expect("the folder can be written");
     path.to_str().expect("cargo's folders are text").to_owned()

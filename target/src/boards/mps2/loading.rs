@@ -6,10 +6,6 @@ use crate::network::{self, NetworkPlant};
 use eclss_core::{Network, Simulator, Storage};
 use static_cell::{ConstStaticCell, StaticCell};
 
-/// Numbers that any network of an image's capacity needs with any method, state and work alike; held against the
-/// methods by a test of the whole capacity.
-const NUMBERS: usize = 8 * 1024;
-
 /// The plant of a run; ends the run when there is none.
 pub(super) fn plant(request: &Request) -> NetworkPlant {
     let plant = match &request.image {
@@ -25,7 +21,7 @@ fn load(path: &str) -> Result<NetworkPlant, ()> {
     static IMAGE: StaticCell<Result<Image, ImageError>> = StaticCell::new();
     static NETWORK: StaticCell<Network<'static>> = StaticCell::new();
     static STORAGE: ConstStaticCell<
-        Storage<NUMBERS, NUMBERS, { 3 * image::SEGMENTS }, { image::SCHEDULES }>,
+        Storage<{ image::NUMBERS }, { image::NUMBERS }, { 3 * image::SEGMENTS }, { image::SCHEDULES }>,
     > = ConstStaticCell::new(Storage::new());
     let bytes = BYTES.take();
     let length = semihosting::read_file(path, bytes);
