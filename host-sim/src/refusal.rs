@@ -27,6 +27,13 @@ pub(crate) fn refused(source: &Source, settings: Settings, error: &BuildError) -
             let element = segments.get(*index as usize).map_or("?", String::as_str);
             format!("nothing decides the flow of element `{element}`: no inertance, and no loss at rest")
         }
+        BuildError::Method(MethodError::PressureDifference(index)) => {
+            let line = source.loaded.names.lines.get(*index as usize).map_or("?", String::as_str);
+            format!(
+                "line `{line}` starts over a larger pressure difference than method `{method}` takes; take \
+                 another method"
+            )
+        }
         other => format!("method `{method}` refuses it: {other}"),
     };
     Failure::BadInput(format!("{}: {reason}", source.name))

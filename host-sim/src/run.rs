@@ -7,12 +7,12 @@ mod table;
 
 pub use picture::picture;
 pub use plan::{Plan, Wishes};
-pub(crate) use report::proof;
 pub use report::{ById, Diverged, End, RunReport, Snapshot, Worst};
-pub(crate) use table::part;
+pub(crate) use report::{GUARD, proof};
 pub use table::write_table;
+pub(crate) use table::{bound, part};
 
-use eclss_core::{Health, Simulator};
+use eclss_core::{Health, Proof, Simulator};
 
 use crate::refusal::refused;
 use crate::trace::{Column, Trace};
@@ -34,6 +34,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let every = interval(plan, columns.len() as u64)?;
     let mut trace = Trace::new(columns, every);
     let mut snapshots = Vec::new();
+    let mut guarded_ticks = 0;
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
@@ -48,10 +49,11 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
             break;
         }
         simulator.step();
+        guarded_ticks += u64::from(simulator.margin().proof == Proof::ShortStep);
         tell(&simulator, progress);
     }
     progress.finish();
-    Ok((RunReport::new(source, plan, snapshots, &simulator), trace))
+    Ok((RunReport::new(source, plan, snapshots, &simulator, guarded_ticks), trace))
 }
 
 /// Ticks between two rows of a record with `columns`.

@@ -1,9 +1,11 @@
 //! Where a network comes from, and what is said when it is refused.
 
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
-use eclss_network_file::{FileError, Loaded, Problem, parse};
+use eclss_network_file::{FileError, Loaded, Problem, limits, parse_bytes};
 
 use crate::Failure;
 
@@ -25,9 +27,13 @@ impl Source {
     /// Reads the network file at `path`.
     pub fn file(path: &Path) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
+        let mut bytes = Vec::new();
+        // One byte more than is allowed is enough to see that the file is too long.
+        let most = limits::FILE_BYTES as u64 + 1;
+        File::open(path)
+            .and_then(|file| file.take(most).read_to_end(&mut bytes))
             .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
-        Self::text(&text, &name, name.clone())
+        Self::bytes(&bytes, &name, name.clone())
     }
 
     /// Reads the paper's network: from the current folder if it stands there, else the copy in this program.
@@ -41,7 +47,7 @@ impl Source {
 
     /// The copy of the paper's network inside this program.
     pub fn shipped() -> Result<Self, Failure> {
-        Self::text(SHIPPED, SHIPPED_PATH, format!("copy of {SHIPPED_PATH} inside this program"))
+        Self::bytes(SHIPPED.as_bytes(), SHIPPED_PATH, format!("copy of {SHIPPED_PATH} inside this program"))
     }
 
     /// Reads `path`, or the paper's network where none is given.
@@ -49,8 +55,9 @@ impl Source {
         path.map_or_else(Self::paper, Self::file)
     }
 
-    fn text(text: &str, file: &str, name: String) -> Result<Self, Failure> {
-        let loaded = parse(text, file).map_err(|error| Failure::BadInput(explain(&error, text)))?;
+    fn bytes(bytes: &[u8], file: &str, name: String) -> Result<Self, Failure> {
+        let loaded = parse_bytes(bytes, file)
+            .map_err(|error| Failure::BadInput(explain(&error, &String::from_utf8_lossy(bytes))))?;
         Ok(Self { name, loaded })
     }
 }
@@ -86,7 +93,7 @@ mod tests {
 
     #[test]
     fn the_built_in_copy_is_a_good_network() {
-        let source = Source::text(SHIPPED, SHIPPED_PATH, String::new()).unwrap();
+        let source = Source::bytes(SHIPPED.as_bytes(), SHIPPED_PATH, String::new()).unwrap();
         assert!(source.loaded.network().check().is_ok());
         assert!(source.loaded.names.inputs.iter().any(|name| name == "valve.opening"));
     }
@@ -94,7 +101,7 @@ mod tests {
     #[test]
     fn a_bad_value_is_shown_in_its_line() {
         let text = SHIPPED.replace("volume_m3 = 60.0", "volume_m3 = -60.0");
-        let failure = Source::text(&text, "bad.toml", String::new()).unwrap_err();
+        let failure = Source::bytes(text.as_bytes(), "bad.toml", String::new()).unwrap_err();
         let shown = failure.to_string();
         assert!(shown.starts_with("bad.toml:") && shown.contains("volume_m3 = -60.0"), "{shown}");
         assert!(shown.contains("^^^^^"), "{shown}");

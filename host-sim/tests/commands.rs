@@ -21,6 +21,8 @@ fn help_and_version_are_good() {
 #[test]
 fn wrong_usage_is_exit_code_2_with_a_reason() {
     let folder = Folder::new("usage");
+    std::fs::write(folder.path("paper.toml"), PAPER).unwrap();
+    std::fs::write(folder.path("binary.toml"), b"schema = 1\nname = \"\xff\"\n").unwrap();
     for (arguments, reason) in [
         (&["fly"][..], "fly"),
         (&["run", "--method", "magic"], "there are euler, relaxation"),
@@ -34,6 +36,10 @@ fn wrong_usage_is_exit_code_2_with_a_reason() {
         (&["stability", "--line", "nowhere"], "no line `nowhere`; there are loop"),
         (&["stability", "--input", "valve.speed"], "no input `valve.speed`"),
         (&["stability", "--from", "0.5", "--to", "0.2"], "moves within"),
+        (&["stability", "--step", "20ms"], "too long for method `relaxation`"),
+        (&["check", "binary.toml"], "binary.toml:2:9: not UTF-8 text"),
+        (&["run", "paper.toml", "--step", "7ms"], "paper.toml: [run] until = 26 s is not a whole number"),
+        (&["check", "paper.toml", "--save", "./paper.toml"], "--save needs another one"),
         (&["bench", "--sizes", "1"], "1"),
     ] {
         let (code, out, err) = folder.say(arguments);
@@ -115,4 +121,50 @@ fn a_folder_that_cannot_be_made_is_a_failure() {
     std::fs::write(folder.path("file"), "").unwrap();
     let (code, _, err) = folder.say(&["run", "--until", "1s", "--out", "file/inside"]);
     assert!(code == 1 && err.contains("cannot make the folder"), "{err}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_without_an_end_is_not_read_to_its_end() {
+    let folder = Folder::new("endless");
+    let (code, _, err) = folder.say(&["check", "/dev/zero"]);
+    assert!(code == 2 && err.contains("are allowed"), "{err}");
+}
+
+#[test]
+fn a_file_that_cannot_be_written_does_not_hide_the_result() {
+    let folder = Folder::new("no_file");
+    std::fs::create_dir_all(folder.path("out/run_relaxation.csv")).unwrap();
+    let (code, out, err) = folder.say(&["run", "--until", "1s", "--json", "--out", "out"]);
+    assert!(code == 1 && err.contains("cannot write") && out.contains("state_hash"), "{err}{out}");
+    let (code, out, _) = folder.say(&["run", "--until", "1s", "--out", "out"]);
+    assert!(code == 1 && out.contains("weakest proof"), "{out}");
+}
+
+#[test]
+fn a_range_that_is_outside_everywhere_is_called_so() {
+    let folder = Folder::new("outside");
+    let (code, out, err) = folder.say(&["stability", "--to", "0.1"]);
+    assert!(code == 0 && out.contains("without φ at: outside everywhere"), "{out}{err}");
+    assert!(out.contains("with φ at:    nowhere"), "{out}");
+}
+
+#[test]
+fn check_names_what_it_did_not_examine_and_warns_of_lines_without_inputs() {
+    let folder = Folder::new("check_two");
+    // Pseudo-time takes no vacuum.
+    let two = include_str!("two_cabins.toml").replace("pressure_pa = 0.0", "pressure_pa = 101320.0");
+    std::fs::write(folder.path("two.toml"), two).unwrap();
+    let (code, out, _) = folder.say(&["check", "two.toml", "--method", "relaxation"]);
+    assert!(code == 0 && out.matches("not examined").count() == 2, "{out}");
+    assert!(out.contains("0 warnings"), "{out}");
+    let (code, out, _) = folder.say(&["check", "two.toml", "--method", "euler"]);
+    assert!(code == 0 && out.contains("warning: line `leak` is unstable at rest with `euler`"), "{out}");
+}
+
+#[test]
+fn a_guard_is_not_counted_as_a_proof() {
+    let folder = Folder::new("guard");
+    let (_, out, _) = folder.say(&["run", "--until", "1s", "--out", "out"]);
+    assert!(out.contains("`short step` is a guard") && !out.contains("without a proof   0 steps"), "{out}");
 }

@@ -31,10 +31,17 @@ fn the_experiment_prints_its_table_and_leaves_csv_and_plots() {
         "4.0456",
         "pseudo-time, not physics",
         "(p) printed in the paper",
-        "state hash",
+        "+0.0009 %",
+        "−0.3412 %",
+        "would give +0.0008 % and −0.3400 %",
+        "state hash at 26 s, 10 ms",
     ] {
         assert!(out.contains(part), "`{part}` not in {out}");
     }
+    let hash = out.lines().find(|line| line.contains("state hash at 26 s, 1 ms")).unwrap();
+    let hash = hash.rsplit(' ').next().unwrap();
+    let (_, json, _) = folder.say(&["run", "--json"]);
+    assert!(hash.len() == 16 && json.contains(hash), "{hash} is not in {json}");
     let results = folder.path("results/paper");
     assert_says(
         &results.join("eigenvalues_1ms.svg"),

@@ -21,6 +21,7 @@ pub(super) fn run(args: &BenchArgs, out: &mut dyn Write) -> Result<(), Failure> 
     } else {
         args.sizes.iter().map(|size| *size as usize).collect()
     };
+    let folder = Folder::make(&args.out)?;
     let progress = Progress::new(sizes.len() as u64);
     let rows = chain_costs(&sizes, &mut |part| {
         progress.say(&format!("{} equations", part.equations));
@@ -29,7 +30,7 @@ pub(super) fn run(args: &BenchArgs, out: &mut dyn Write) -> Result<(), Failure> 
     progress.finish();
     let rows = rows.map_err(|failure| Failure::Failed(failure.to_string()))?;
     write_table(out, &rows)?;
-    let folder = Folder::make(&args.out)?;
+    out.flush()?;
     let csv = folder.file("chains.csv", |file| write_csv(file, &rows))?;
     let svg = folder.text("chains.svg", &picture(&rows).svg())?;
     super::list_files(out, &[csv, svg])

@@ -1,19 +1,27 @@
 //! `eclss-rt check`: what is in a network file, and what to watch.
 
 use std::io::Write;
+use std::path::Path;
 
-use eclss_core::{Method, NodeKind};
+use eclss_core::{Method, NodeKind, Proof};
 
 use crate::args::CheckArgs;
-use crate::linear::{LineModel, worst};
+use crate::linear::{LineModel, eigenvalues, spectral_radius, worst};
 use crate::output::write_text;
 use crate::refusal::refused;
-use crate::run::{Plan, Wishes, part, proof};
+use crate::run::{GUARD, Plan, Wishes, bound, part, proof};
 use crate::stability::{MOST_ROWS, Range, sweep_line};
-use crate::{Duration, Failure, HostBuffers, Source};
+use crate::{Failure, HostBuffers, Source};
+
+/// How far beyond 1 an eigenvalue may lie for its rounding alone.
+const ROUNDING: f64 = 1e-9;
 
 /// Reads, checks, summarises.
 pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> {
+    if let Some(path) = args.save.as_deref().filter(|path| same_file(path, &args.network)) {
+        let text = "is the file that is checked; --save needs another one";
+        return Err(Failure::BadInput(format!("{}: {text}", path.display())));
+    }
     let source = Source::file(&args.network)?;
     let wishes = Wishes { method: args.stepping.method, step: args.stepping.step, ..Wishes::default() };
     let plan = Plan::new(&source, &wishes)?;
@@ -41,6 +49,11 @@ pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> 
     }
     writeln!(out, "good, {} warnings", warnings.len())?;
     Ok(())
+}
+
+/// Whether both paths lead to one file that exists.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 fn write_contents(out: &mut dyn Write, source: &Source) -> Result<(), Failure> {
@@ -85,37 +98,66 @@ fn write_margins(out: &mut dyn Write, source: &Source, plan: &Plan) -> Result<Ve
     let stabilised = method == Method::Relaxation;
     let network = source.loaded.network();
     let step_s = plan.step().seconds();
+    let mut guarded = false;
     writeln!(out, "margins     at rest with the inputs of the start, ends held")?;
     for (index, id) in source.loaded.names.lines.iter().enumerate() {
-        let Some(model) = LineModel::new(&network, index, network.inputs) else { continue };
+        let Some(model) = LineModel::new(&network, index, network.inputs) else {
+            writeln!(out, "  {id}: not examined")?;
+            continue;
+        };
         let flow = model.steady_flow_kg_s();
         let phi = if stabilised { model.phi(flow, step_s) } else { 1.0 };
         let margin = model.margin(flow, step_s, phi);
         writeln!(
             out,
-            "  {id}: {:.6} g/s, φ {}, spectral bound {:.6}, proof {}",
+            "  {id}: {:.6} g/s, φ {}, spectral bound {}, proof {}",
             // Rest is 0, whichever side the search came from.
             (flow * 1e9).round() / 1e6 + 0.0,
             part(margin.phi),
-            margin.spectral_bound,
+            bound(margin.spectral_bound),
             proof(margin.proof)
         )?;
-        if source.loaded.lines.get(index).is_none_or(|line| line.flow_segment > MOST_ROWS) {
+        guarded |= margin.proof == Proof::ShortStep;
+        let with = format!("with `{}` at {}", method.name(), plan.step());
+        let rows = source.loaded.lines.get(index).map_or(0, |line| line.flow_segment);
+        let few = rows <= MOST_ROWS;
+        if margin.spectral_bound > 1.0 {
+            let found = if few { eigenvalues(&model.step_matrix(flow, step_s, phi)) } else { None };
+            let shown = bound(margin.spectral_bound);
+            match found.map(|values| spectral_radius(&values)) {
+                Some(radius) if radius <= 1.0 + ROUNDING => {}
+                Some(radius) => {
+                    let text = format!("spectral radius {radius:.4}, bound {shown}");
+                    warnings.push(format!("line `{id}` is unstable at rest {with}: {text}"));
+                }
+                None => warnings.push(format!(
+                    "line `{id}` is not proven stable at rest {with}: spectral bound {shown}, eigenvalues \
+                     not examined"
+                )),
+            }
+        }
+        if !few {
+            writeln!(
+                out,
+                "    eigenvalues not examined: {rows} rows before its flow row, at most {MOST_ROWS}"
+            )?;
             continue;
         }
         let sweep = sweep_line(source, index, None, Range::default(), plan.settings.step_us)?;
-        let Some(sweep) = sweep else { continue };
+        let Some(sweep) = sweep else {
+            writeln!(out, "    range not examined: no input moves it")?;
+            continue;
+        };
         let points = if stabilised { &sweep.spectrum.stabilised } else { &sweep.spectrum.plain };
         if let Some(worst) = worst(points).filter(|worst| worst.radius >= 1.0) {
             warnings.push(format!(
-                "line `{id}` is unstable with `{}` at {}: spectral radius {:.4} at {} = {:.3}",
-                method.name(),
-                Duration::from_us(u64::from(plan.settings.step_us)),
-                worst.radius,
-                sweep.moving.name,
-                worst.value
+                "line `{id}` is unstable {with}: spectral radius {:.4} at {} = {:.3}",
+                worst.radius, sweep.moving.name, worst.value
             ));
         }
+    }
+    if guarded {
+        writeln!(out, "  {GUARD}")?;
     }
     Ok(warnings)
 }

@@ -19,16 +19,18 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), Failure> {
         every: args.every,
     };
     let plan = Plan::new(&source, &wishes)?;
+    // Made before the run: a folder that cannot be made is known at once.
+    let folder = args.out.clone().or_else(|| (!args.json).then(|| default_folder(&source)));
+    let folder = folder.map(|folder| Folder::make(&folder)).transpose()?;
     let (report, trace) = execute(&source, &plan, &Progress::new(plan.ticks))?;
 
     let mut files = Vec::new();
-    let folder = args.out.clone().or_else(|| (!args.json).then(|| default_folder(&source)));
-    if let Some(folder) = folder {
-        let folder = Folder::make(&folder)?;
+    let written = folder.map_or(Ok::<_, Failure>(()), |folder| {
         let name = format!("run_{}", plan.settings.method.name());
         files.push(folder.file(&format!("{name}.csv"), |file| trace.write_csv(file))?);
         files.push(folder.text(&format!("{name}.svg"), &picture(&report, &trace))?);
-    }
+        Ok(())
+    });
     if args.json {
         let text = serde_json::to_string_pretty(&report)
             .map_err(|error| Failure::Failed(format!("cannot write the report: {error}")))?;
@@ -37,6 +39,9 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), Failure> {
         write_table(out, &source.loaded, &report)?;
         super::list_files(out, &files)?;
     }
+    // What was found is told even where it could not be written.
+    out.flush()?;
+    written?;
     if report.diverged.is_some() { Err(Failure::Reported) } else { Ok(()) }
 }
 

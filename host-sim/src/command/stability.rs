@@ -2,9 +2,12 @@
 
 use std::io::Write;
 
+use eclss_core::{BuildError, Method, Settings};
+
 use crate::args::StabilityArgs;
 use crate::linear::{disc_figure, eigenvalue_figure, radius_figure};
 use crate::output::Folder;
+use crate::refusal::refused;
 use crate::run::{Plan, Wishes};
 use crate::stability::{LineStability, Range, sweep_line, write_stability};
 use crate::{Failure, Source};
@@ -13,6 +16,12 @@ use crate::{Failure, Source};
 pub(super) fn run(args: &StabilityArgs, out: &mut dyn Write) -> Result<(), Failure> {
     let source = Source::open(args.network.as_deref())?;
     let step_us = Plan::step_us(&source, &Wishes { step: args.step, ..Wishes::default() })?;
+    let settings = Settings { method: source.loaded.run.method, step_us };
+    // Plain Euler is looked at because it is unstable; whatever else refuses the step never takes it.
+    if settings.method != Method::Euler {
+        let checked = settings.method.check(&source.loaded.network(), step_us);
+        checked.map_err(|error| refused(&source, settings, &BuildError::Method(error)))?;
+    }
     let names = &source.loaded.names;
     let known = |list: &[String], id: &str, what: &str| {
         if list.iter().any(|name| name == id) {

@@ -2,7 +2,7 @@
 
 use super::{Spectrum, SweepPoint};
 use crate::Duration;
-use crate::plot::style::{self, BLACK, BLUE, VERMILION};
+use crate::plot::style::{self, BLACK, BLUE, Colour, ORANGE, SKY, VERMILION};
 use crate::plot::{Axis, ColourScale, Curve, Dash, Dots, Figure, Level, Mark, Note, Panel, Point};
 
 /// How the input that moves is written.
@@ -100,6 +100,11 @@ pub fn eigenvalue_figure(spectrum: &Spectrum, moving: &Moving, remarks: Vec<Stri
     }
 }
 
+/// How a step's curves look: colours without and with φ, stroke, and width with φ. With φ all steps and the
+/// limit lie close together, so what is drawn later is thinner and broken.
+const LOOKS: [(Colour, Colour, Dash, f64); 2] =
+    [(VERMILION, BLUE, Dash::Solid, 4.4), (ORANGE, SKY, Dash::Dashed, 2.0)];
+
 /// Spectral radius over the input's value.
 pub fn radius_panel(title: &str, spectra: &[&Spectrum], moving: &Moving) -> Panel {
     let all = spectra.iter().flat_map(|spectrum| spectrum.plain.iter().chain(&spectrum.stabilised));
@@ -107,15 +112,15 @@ pub fn radius_panel(title: &str, spectra: &[&Spectrum], moving: &Moving) -> Pane
     let mut panel =
         Panel::new(title, across(spectra, moving), Axis::logarithmic("spectral radius [1]", 0.5, top));
     panel.levels.push(Level { value: 1.0, label: "limit of stability".into() });
-    for (spectrum, dash) in spectra.iter().zip([Dash::Solid, Dash::Dashed]) {
+    for (spectrum, (without, with, dash, width)) in spectra.iter().zip(LOOKS) {
         let curve = |points: &[SweepPoint]| -> Vec<Point> {
             points.iter().map(|point| (point.value * moving.factor, point.radius)).collect()
         };
         let step = step_name(spectrum.step_us);
-        let plain = Curve::new(&format!("without φ, {step}"), VERMILION, dash, curve(&spectrum.plain));
+        let plain = Curve::new(&format!("without φ, {step}"), without, dash, curve(&spectrum.plain));
         panel.curves.push(plain);
-        let ours = Curve::new(&format!("with φ, {step}"), BLUE, dash, curve(&spectrum.stabilised));
-        panel.curves.push(ours);
+        let ours = Curve::new(&format!("with φ, {step}"), with, dash, curve(&spectrum.stabilised));
+        panel.curves.push(Curve { width, ..ours });
     }
     panel
 }
@@ -140,9 +145,9 @@ fn margin_panel(spectra: &[&Spectrum], moving: &Moving) -> Panel {
     let (low, high) = (decade(low, f64::floor), decade(high.max(low * 10.0), f64::ceil));
     let mut panel =
         Panel::new("", across(spectra, moving), Axis::logarithmic("margin 1 − ρ with φ [1]", low, high));
-    for (spectrum, dash) in spectra.iter().zip([Dash::Solid, Dash::Dashed]) {
+    for (spectrum, (_, with, dash, _)) in spectra.iter().zip(LOOKS) {
         let label = format!("with φ, {}", step_name(spectrum.step_us));
-        panel.curves.push(Curve::new(&label, BLUE, dash, margins(spectrum)));
+        panel.curves.push(Curve::new(&label, with, dash, margins(spectrum)));
     }
     panel
 }
@@ -156,6 +161,10 @@ pub fn radius_figure(spectra: &[&Spectrum], moving: &Moving, remarks: Vec<String
         panel.dots.push(Dots { label: String::new(), mark: Mark::Ring, radius: 5.0, points });
         panel.notes.push(Note { at: (at, 1.7), text: moving.show(*edge), colour: style::INK });
     }
+    panel.y.from = 0.3;
+    let close = "with φ: just below the limit at every step; the panel below shows by how much";
+    let at = (panel.x.from + 0.02 * (panel.x.to - panel.x.from), 0.55);
+    panel.notes.push(Note { at, text: close.into(), colour: style::INK });
     Figure {
         title: format!("Spectral radius ρ of one explicit step against {}", moving.name),
         panels: vec![panel, margin_panel(spectra, moving)],

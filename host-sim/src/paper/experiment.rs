@@ -1,6 +1,6 @@
 //! Runs the experiment and collects its figures.
 
-use eclss_core::{Fault, Health, Margin, Method, Network, Settings};
+use eclss_core::{Fault, Health, Margin, Method, Network, Proof, Settings};
 
 use super::{DoubleLoop, Reference};
 use crate::linear::Spectrum;
@@ -45,6 +45,8 @@ pub struct Run {
     pub fault: Option<Fault>,
     /// Worst margin of all steps.
     pub worst: Margin,
+    /// Steps that only the guard `short step` covered.
+    pub guarded_ticks: u64,
     /// Steps in which neither proof nor guard held.
     pub unproven_ticks: u64,
     /// Steps taken.
@@ -90,17 +92,17 @@ impl Settled {
 /// Everything that the experiment found.
 #[derive(Debug, Clone)]
 pub struct Results {
-    /// Method `relaxation` at [`STEPS_US`].
+    /// Method `relaxation` at the paper's steps.
     pub relaxation: Vec<Run>,
-    /// Plain Euler at [`STEPS_US`].
+    /// Plain Euler at the paper's steps.
     pub euler: Vec<Run>,
     /// Settled flows.
     pub settled: Vec<Settled>,
-    /// Time of divergence of plain Euler in `f64` [s], at [`STEPS_US`].
+    /// Time of divergence of plain Euler in `f64` [s], at the paper's steps.
     pub double_diverged_s: Vec<Option<f64>>,
-    /// Eigenvalues at [`STEPS_US`].
+    /// Eigenvalues at the paper's steps.
     pub spectra: Vec<Spectrum>,
-    /// Deviation from the reference while the valve closes, at [`STEPS_US`]: [s] and [g/s].
+    /// Deviation from the reference while the valve closes, at the paper's steps: [s] and [g/s].
     pub transient_errors: Vec<Vec<(f64, f64)>>,
     /// Id of the network.
     pub network_id: u64,
@@ -192,8 +194,10 @@ impl<'s> Experiment<'s> {
         let mut flow = vec![(0.0, f64::from(simulator.line_flow_kg_s(0)) * 1e3)];
         trace.note(&simulator);
         let mut fault = None;
+        let mut guarded_ticks = 0;
         for _ in 0..UNTIL_US / u64::from(settings.step_us) {
             let health = simulator.step();
+            guarded_ticks += u64::from(simulator.margin().proof == Proof::ShortStep);
             trace.note(&simulator);
             flow.push((simulator.time_us() as f64 * 1e-6, f64::from(simulator.line_flow_kg_s(0)) * 1e3));
             progress.add(1);
@@ -204,7 +208,7 @@ impl<'s> Experiment<'s> {
         }
         let (worst, unproven_ticks) = (simulator.worst_margin(), simulator.unproven_ticks());
         let (ticks, state_hash) = (simulator.tick(), simulator.state_hash());
-        Ok(Run { settings, trace, flow, fault, worst, unproven_ticks, ticks, state_hash })
+        Ok(Run { settings, trace, flow, fault, worst, guarded_ticks, unproven_ticks, ticks, state_hash })
     }
 
     /// Holds the valve at `opening` until nothing moves.

@@ -62,7 +62,7 @@ impl Plan {
             }
             ticks
         } else {
-            whole("the end that the file gives,", Duration::from_us(defaults.until_us))?.max(last)
+            whole(&format!("{}: [run] until =", source.name), Duration::from_us(defaults.until_us))?.max(last)
         };
         if at_ticks.is_empty() {
             at_ticks.push(ticks);
@@ -125,7 +125,10 @@ mod tests {
         let error = plan(&Wishes { until: Some(time("1.5ms")), ..Wishes::default() }).unwrap_err();
         assert!(error.starts_with("--until"), "{error}");
         let error = plan(&Wishes { step: Some(time("7ms")), ..Wishes::default() }).unwrap_err();
-        assert!(error.contains("the end that the file gives, 26 s"), "{error}");
+        assert!(
+            error.contains("networks/paper.toml") && error.contains("[run] until = 26 s is not"),
+            "{error}"
+        );
     }
 
     #[test]

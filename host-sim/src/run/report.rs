@@ -6,7 +6,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::Plan;
 use crate::Source;
-use crate::trace::Figure;
+use crate::trace::{Figure, Segments};
 
 /// Version of the JSON form.
 const FORMAT: u32 = 1;
@@ -67,7 +67,7 @@ pub struct Snapshot {
     pub inputs: ById<f32>,
     /// Smallest φ of the last step [1].
     pub phi_min: f32,
-    /// Upper bound of the spectral radius of the last step [1].
+    /// Upper bound of the spectral radius of the last step [1]; NaN, `null` in JSON, where the method has none.
     pub spectral_bound: f32,
     /// What makes the last step stable.
     pub proof: &'static str,
@@ -97,10 +97,12 @@ pub struct End {
 pub struct Worst {
     /// Smallest φ [1].
     pub phi_min: f32,
-    /// Largest bound of the spectral radius [1].
+    /// Largest bound of the spectral radius [1]; NaN, `null` in JSON, where the method has none.
     pub spectral_bound: f32,
     /// Weakest proof.
     pub proof: &'static str,
+    /// Steps that only the guard `short step` covered, which proves nothing.
+    pub guarded_ticks: u64,
     /// Steps in which neither the proof nor the guard held.
     pub unproven_ticks: u64,
 }
@@ -120,12 +122,19 @@ pub struct Diverged {
     pub element: Option<String>,
 }
 
+/// What is to be known of `short step` wherever it is named.
+pub(crate) const GUARD: &str = "`short step` is a guard that covers the paper's loop; it proves nothing.";
+
 /// A proof's name in reports.
 pub(crate) fn proof(proof: Proof) -> &'static str {
-    match proof {
-        Proof::Dominant => "dominant",
-        Proof::ShortStep => "short step",
-        Proof::None => "none",
+    if proof == Proof::None {
+        "none"
+    } else if proof == Proof::ShortStep {
+        "short step"
+    } else if proof == Proof::Dominant {
+        "dominant"
+    } else {
+        "by construction"
     }
 }
 
@@ -147,8 +156,9 @@ fn seconds(us: u64) -> f64 {
 impl Snapshot {
     pub(super) fn take(loaded: &Loaded, simulator: &Simulator<'_>) -> Self {
         let (mut flows, mut gauges, mut inputs) = (Vec::new(), Vec::new(), Vec::new());
+        let segments = Segments::of(simulator);
         for record in loaded.all_records() {
-            let value = Figure::Point(record.quantity).read(simulator);
+            let value = Figure::Point(record.quantity).read(simulator, &segments);
             let id = || record.name.rsplit_once('.').map_or(record.name.as_str(), |parts| parts.0).to_owned();
             match record.quantity {
                 Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. } => flows.push((id(), value)),
@@ -192,8 +202,17 @@ impl Diverged {
 }
 
 impl RunReport {
-    pub(super) fn new(source: &Source, plan: &Plan, at: Vec<Snapshot>, simulator: &Simulator<'_>) -> Self {
+    pub(super) fn new(
+        source: &Source,
+        plan: &Plan,
+        at: Vec<Snapshot>,
+        simulator: &Simulator<'_>,
+        guarded_ticks: u64,
+    ) -> Self {
         let worst = simulator.worst_margin();
+        // A method without a bound has none in any step.
+        let bound = simulator.margin().spectral_bound;
+        let bound = if bound.is_nan() { bound } else { worst.spectral_bound };
         let method = plan.settings.method;
         Self {
             format: FORMAT,
@@ -211,8 +230,9 @@ impl RunReport {
                 health: health(simulator.health()),
                 worst: Worst {
                     phi_min: worst.phi,
-                    spectral_bound: worst.spectral_bound,
+                    spectral_bound: bound,
                     proof: proof(worst.proof),
+                    guarded_ticks,
                     unproven_ticks: simulator.unproven_ticks(),
                 },
             },

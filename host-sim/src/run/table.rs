@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use eclss_network_file::{Loaded, Names};
 
-use super::{ById, RunReport, Snapshot};
+use super::{ById, GUARD, RunReport, Snapshot};
 
 /// Writes the report.
 pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> io::Result<()> {
@@ -18,8 +18,17 @@ pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> 
     let worst = &report.end.worst;
     writeln!(out, "\nworst of all {} steps", report.end.tick)?;
     writeln!(out, "  smallest φ        {}", part(worst.phi_min))?;
-    writeln!(out, "  spectral bound    {}", worst.spectral_bound)?;
-    writeln!(out, "  weakest proof     {}, {} steps without one", worst.proof, worst.unproven_ticks)?;
+    writeln!(out, "  spectral bound    {}", bound(worst.spectral_bound))?;
+    writeln!(out, "  weakest proof     {}", worst.proof)?;
+    writeln!(
+        out,
+        "  without a proof   {} steps, {} of them without the guard `short step` as well",
+        worst.guarded_ticks + worst.unproven_ticks,
+        worst.unproven_ticks
+    )?;
+    if worst.guarded_ticks > 0 {
+        writeln!(out, "  {GUARD}")?;
+    }
     if report.pseudo_time {
         writeln!(out, "\nTransients of this method are pseudo-time, not physics; its states of rest are.")?;
     }
@@ -40,7 +49,7 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
         out,
         "  φ {}, spectral bound {}, proof {}, state hash {}",
         part(at.phi_min),
-        at.spectral_bound,
+        bound(at.spectral_bound),
         at.proof,
         at.state_hash
     )?;
@@ -75,6 +84,11 @@ fn row(out: &mut dyn Write, at: &Snapshot, id: &str, shown: &str, room: usize) -
     }
 }
 
+/// A bound of the spectral radius, where there is one.
+pub(crate) fn bound(value: f32) -> String {
+    if value.is_nan() { "–".to_owned() } else { value.to_string() }
+}
+
 /// A number of 0…1 in a form that is short for very small ones as well.
 pub(crate) fn part(value: f32) -> String {
     if value < 1e-3 { format!("{value:.3e}") } else { format!("{value:.6}") }
@@ -82,4 +96,14 @@ pub(crate) fn part(value: f32) -> String {
 
 fn find<V: Copy>(list: &ById<V>, id: &str) -> Option<V> {
     list.0.iter().find(|(name, _)| name == id).map(|(_, value)| *value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_that_does_not_exist_is_a_dash() {
+        assert_eq!((bound(f32::NAN).as_str(), bound(0.5).as_str()), ("–", "0.5"));
+    }
 }

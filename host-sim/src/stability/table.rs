@@ -2,10 +2,12 @@
 
 use std::io::{self, Write};
 
+use eclss_core::Proof;
+
 use super::LineStability;
 use crate::Duration;
-use crate::linear::{Disc, worst};
-use crate::run::proof;
+use crate::linear::{Disc, SweepPoint, worst};
+use crate::run::{GUARD, bound, proof};
 
 /// Rows of the table.
 const ROWS: usize = 15;
@@ -29,23 +31,31 @@ pub fn write_stability(out: &mut dyn Write, line: &LineStability) -> io::Result<
         let reach = ours.discs.iter().map(Disc::reach).fold(0.0, f64::max);
         writeln!(
             out,
-            "  {:>9.4} {:>12.4} {:>10.6} {:>14.4} {:>10.6} {:>12.4} {:>12.6}  {}",
+            "  {:>9.4} {:>12.4} {:>10.6} {:>14.4} {:>10.6} {:>12.4} {:>12}  {}",
             ours.value,
             ours.flow_kg_s * 1e3,
             ours.phi,
             plain.radius,
             ours.radius,
             reach,
-            ours.margin.spectral_bound,
+            bound(ours.margin.spectral_bound),
             proof(ours.margin.proof)
         )?;
     }
-    let edges = |edges: &[f64]| {
+    let edges = |edges: &[f64], points: &[SweepPoint]| {
         let list: Vec<_> = edges.iter().map(|edge| format!("{edge:.4}")).collect();
-        if list.is_empty() { "nowhere".to_owned() } else { list.join(", ") }
+        match list.as_slice() {
+            [] if points.iter().all(|point| point.radius > 1.0) => "outside everywhere".to_owned(),
+            [] => "nowhere".to_owned(),
+            list => list.join(", "),
+        }
     };
-    writeln!(out, "  passes the unit circle without φ at: {}", edges(&spectrum.edges))?;
-    writeln!(out, "  passes the unit circle with φ at:    {}", edges(&spectrum.stabilised_edges))?;
+    let (plain, ours) = (&spectrum.plain, &spectrum.stabilised);
+    writeln!(out, "  passes the unit circle without φ at: {}", edges(&spectrum.edges, plain))?;
+    writeln!(out, "  passes the unit circle with φ at:    {}", edges(&spectrum.stabilised_edges, ours))?;
+    if ours.iter().any(|point| point.margin.proof == Proof::ShortStep) {
+        writeln!(out, "  {GUARD}")?;
+    }
     if let (Some(plain), Some(ours)) = (worst(&spectrum.plain), worst(&spectrum.stabilised)) {
         let verdict = if ours.radius < 1.0 { "stable over the whole range" } else { "NOT STABLE everywhere" };
         writeln!(out, "  largest ρ: without φ {:.4} at {:.4}", plain.radius, plain.value)?;
