@@ -41,7 +41,8 @@ fn methods_come_to_the_rest_that_is_computed() {
         let flow = |line: &Value| line["mass_flow_kg_s"].as_f64().expect("a number");
         let most = lines.iter().map(|line| flow(line).abs()).fold(0.0, f64::max);
         for method in ["adaptive", "tr-bdf2"] {
-            let run = ["run", "made.toml", "--method", method, "--step", "10ms", "--until", "10min", "--json"];
+            let run =
+                ["run", "made.toml", "--method", method, "--step", "10ms", "--until", "10min", "--json"];
             let flows = &json(&folder, &run)["at"][0]["flows_kg_s"];
             for line in lines {
                 let id = line["id"].as_str().expect("an id");

@@ -53,10 +53,10 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// Builds and lints every board.
+/// Builds and lints every board and the programs of the tests.
 pub(crate) fn check() -> Outcome {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain")?;
-    for board in &BOARDS {
+    for board in BOARDS.iter().chain(&TEST_PROGRAMS) {
         build(board)?;
         if board.hosted || !toolchain.has_clippy() {
             continue;
