@@ -22,7 +22,7 @@ type Outcome<T = ()> = Result<T, String>;
 const HELP: &str = "\
 cargo xtask <command>
 
-  test                      format, lints, host tests, docs, firmware builds and QEMU tests; sets up what is missing
+  test [STAGE …]            format, lints, host tests, docs, firmware builds and QEMU tests; sets up what is missing
   setup                     install what building and running the firmware needs; safe to repeat
   build [BOARD …]           build the firmware of the given boards (default: all) and print flash and RAM
   qemu [--board BOARD] [--seconds N]

@@ -4,27 +4,31 @@ use crate::process::{command, run};
 use crate::report::Stages;
 use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
 
-/// Runs the stages in order of how soon they answer and stops at the first failure.
+/// Stages in order of how soon they answer: a word for the command line, a header, what is done.
+const STAGES: [(&str, &str, fn() -> Outcome); 9] = [
+    ("format", "format", || cargo(&["fmt", "--all", "--check"])),
+    ("lints", "lints", lints),
+    ("host", "host tests", host_tests),
+    ("docs", "documentation", documentation),
+    ("setup", "setup", || setup::setup(&[])),
+    ("firmware", "firmware", firmware::check),
+    ("qemu", "boards in QEMU", qemu::test),
+    ("budget", "budget", || budget::command(&["--check".into()])),
+    ("fit", "a network that is too large", fit::refuses),
+];
+
+/// `cargo xtask test [STAGE …]`: all stages, or those that are named; stops at the first failure.
 pub(crate) fn test(arguments: &[String]) -> Outcome {
-    if let Some(unknown) = arguments.first() {
-        return Err(format!("unknown argument `{unknown}`"));
+    if let Some(unknown) = arguments.iter().find(|name| STAGES.iter().all(|(word, ..)| word != name)) {
+        let words: Vec<&str> = STAGES.iter().map(|(word, ..)| *word).collect();
+        return Err(format!("there is no stage `{unknown}`; there are {}", words.join(", ")));
     }
+    let wanted = |word: &str| arguments.is_empty() || arguments.iter().any(|name| name == word);
     let mut stages = Stages::default();
-    let outcome = all(&mut stages);
+    let mut chosen = STAGES.iter().filter(|(word, ..)| wanted(word));
+    let outcome = chosen.try_for_each(|(_, header, work)| stages.stage(header, work));
     stages.summary();
     outcome
-}
-
-fn all(stages: &mut Stages) -> Outcome {
-    stages.stage("format", || cargo(&["fmt", "--all", "--check"]))?;
-    stages.stage("lints", lints)?;
-    stages.stage("host tests", host_tests)?;
-    stages.stage("documentation", documentation)?;
-    stages.stage("setup", || setup::setup(&[]))?;
-    stages.stage("firmware", firmware::check)?;
-    stages.stage("boards in QEMU", qemu::test)?;
-    stages.stage("budget", || budget::command(&["--check".into()]))?;
-    stages.stage("a network that is too large", fit::refuses)
 }
 
 /// Whether this is a machine that decides about changes: there, what could not be checked counts as wrong.
