@@ -30,11 +30,17 @@ resistance_pa_s2_kg2 = 6.6e8
 "#;
 
 /// Returns the paper's loop with its dynamic cabin of 60 m³: the valve closes to 2 % at 11 s and stays there.
+///
+/// # Panics
+/// When a file of ours is not a good one any more.
 pub fn closing() -> Loaded {
     parse(PAPER, "paper.toml").expect("a good file")
 }
 
 /// Returns the same loop with the valve open for good and a supply that makes up for what it drains.
+///
+/// # Panics
+/// When a file of ours is not a good one any more.
 pub fn supplied() -> Loaded {
     let open = PAPER.split("[[schedule]]").next().unwrap_or_default();
     parse(&format!("{open}{MAKE_UP}"), "supplied.toml").expect("a good file")
