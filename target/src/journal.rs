@@ -115,9 +115,10 @@ impl Journal {
         for (index, (flow, last)) in
             flows.into_iter().zip(self.flows).enumerate().filter(|(_, (w, _))| w.is_finite())
         {
-            match self.line_names.get(index) {
-                Some(name) => info!("flow {} {} kg/s", *name, flow),
-                None => info!("flow of line {} {} kg/s", index, flow),
+            if let Some(name) = self.line_names.get(index) {
+                info!("flow {} {} kg/s", *name, flow);
+            } else {
+                info!("flow of line {} {} kg/s", index, flow);
             }
             largest = largest.max(flow.abs());
             change = change.max((flow - last).abs());

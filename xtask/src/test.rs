@@ -4,8 +4,11 @@ use crate::process::{command, run};
 use crate::report::Stages;
 use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
 
-/// Stages in order of how soon they answer: a word for the command line, a header, what is done.
-const STAGES: [(&str, &str, fn() -> Outcome); 9] = [
+/// A word for the command line, a header, what is done.
+type Stage = (&'static str, &'static str, fn() -> Outcome);
+
+/// All stages in order of how soon they answer.
+const STAGES: [Stage; 9] = [
     ("format", "format", || cargo(&["fmt", "--all", "--check"])),
     ("lints", "lints", lints),
     ("host", "host tests", host_tests),
