@@ -53,15 +53,13 @@ impl Schedule {
         while points.get(*cursor as usize).is_some_and(|next| at.has_come(next.time_us)) {
             *cursor += 1;
         }
-        let next = points.get(*cursor as usize);
-        let last = (*cursor as usize).checked_sub(1).and_then(|index| points.get(index));
-        match (last, next) {
-            (Some(last), Some(next)) if self.interpolation == Interpolation::Linear => {
-                between(last, next, at)
-            }
-            (Some(point), _) | (None, Some(point)) => point.value,
-            (None, None) => 0.0,
-        }
+        // Before the first point, behind the last and between held points both ends are the same one, so that the
+        // cost is the same everywhere.
+        let coming = points.get(*cursor as usize);
+        let passed = (*cursor as usize).checked_sub(1).and_then(|index| points.get(index));
+        let Some(last) = passed.or(coming) else { return 0.0 };
+        let next = if self.interpolation == Interpolation::Linear { coming.unwrap_or(last) } else { last };
+        between(last, next, at)
     }
 }
 
@@ -89,14 +87,15 @@ impl SchedulePoint {
     }
 }
 
-/// Straight line between two points of different time; `at` lies between them.
+/// Straight line between two points, or the value of one point that is both.
 fn between(last: &SchedulePoint, next: &SchedulePoint, at: Instant) -> f32 {
-    let (since, length) = (at.time_us - last.time_us, next.time_us - last.time_us);
+    let (since, length) = (at.time_us.saturating_sub(last.time_us), next.time_us - last.time_us);
     // Both are shifted until the length fits a u32, which the processor converts in one instruction; the part
     // of a microsecond only matters where there is no shift.
     let shift = 32u32.saturating_sub(length.leading_zeros());
     let part = if shift == 0 { at.part_us } else { 0.0 };
-    let passed = ((since >> shift) as u32 as f32 + part) / (length >> shift) as u32 as f32;
+    let length = crate::math::larger((length >> shift) as u32 as f32, 1.0);
+    let passed = ((since >> shift) as u32 as f32 + part) / length;
     last.value + (next.value - last.value) * passed
 }
 
