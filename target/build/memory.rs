@@ -15,8 +15,21 @@ pub(crate) struct Board {
     own_vectors: bool,
 }
 
-const BOARDS: [Board; 3] = [
-    Board { name: "mps2", feature: "CARGO_FEATURE_MPS2", script: "mps2", program: MPS2, own_vectors: true },
+const BOARDS: [Board; 5] = [
+    Board {
+        name: "qemu-mps2-an500",
+        feature: "CARGO_FEATURE_QEMU_MPS2_AN500",
+        script: "mps2",
+        program: MPS2,
+        own_vectors: true,
+    },
+    Board {
+        name: "qemu-mps2-an386",
+        feature: "CARGO_FEATURE_QEMU_MPS2_AN386",
+        script: "mps2",
+        program: MPS2,
+        own_vectors: true,
+    },
     Board {
         name: "nucleo-h743zi2",
         feature: "CARGO_FEATURE_NUCLEO_H743ZI2",
@@ -24,7 +37,21 @@ const BOARDS: [Board; 3] = [
         program: NUCLEO,
         own_vectors: false,
     },
-    Board { name: "bare", feature: "CARGO_FEATURE_BARE", script: "mps2", program: MPS2, own_vectors: false },
+    // Programs of the tests.
+    Board {
+        name: "measure",
+        feature: "CARGO_FEATURE_MEASURE",
+        script: "mps2",
+        program: MPS2,
+        own_vectors: true,
+    },
+    Board {
+        name: "bare",
+        feature: "CARGO_FEATURE_BARE",
+        script: "mps2",
+        program: MPS2,
+        own_vectors: false,
+    },
 ];
 
 impl Board {

@@ -33,7 +33,7 @@ pub(crate) fn refuses() -> Outcome {
 /// A network file: a chain of cabins under a method that needs a matrix.
 fn large_network(nodes: usize) -> String {
     let mut text = String::from(
-        "schema = 1\nname = \"too-large\"\nreference_pressure_pa = 101325.0\n\n[run]\nmethod = \"tr-bdf2\"\n",
+        "schema = 1\nname = \"too_large\"\nreference_pressure_pa = 101325.0\n\n[run]\nmethod = \"tr-bdf2\"\n",
     );
     text.extend((0..nodes).map(|node| {
         format!(
