@@ -45,13 +45,7 @@ const BOARDS: [Board; 5] = [
         program: MPS2,
         own_vectors: true,
     },
-    Board {
-        name: "bare",
-        feature: "CARGO_FEATURE_BARE",
-        script: "mps2",
-        program: MPS2,
-        own_vectors: false,
-    },
+    Board { name: "bare", feature: "CARGO_FEATURE_BARE", script: "mps2", program: MPS2, own_vectors: false },
 ];
 
 impl Board {
