@@ -1,6 +1,6 @@
-//! Runs the paper's valve scenario frame by frame, for an instruction counter that watches `eclss_frame`.
+//! Runs a network frame by frame, for an instruction counter that watches `eclss_frame`.
 //!
-//! `eclss-frames METHOD STEP_US UNTIL_MS`
+//! `eclss-frames METHOD STEP_US UNTIL_MS [NODES]`: the paper's valve scenario, or a chain of so many nodes.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -10,12 +10,14 @@ use eclss_core::{Health, Method, Simulator};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [method, step_us, until_ms] = arguments.as_slice() else {
-        return Err("usage: eclss-frames METHOD STEP_US UNTIL_MS".into());
+    let (method, step_us, until_ms, nodes) = match arguments.as_slice() {
+        [method, step_us, until_ms] => (method, step_us, until_ms, None),
+        [method, step_us, until_ms, nodes] => (method, step_us, until_ms, Some(nodes.parse()?)),
+        _ => return Err("usage: eclss-frames METHOD STEP_US UNTIL_MS [NODES]".into()),
     };
     let method = Method::from_name(method).ok_or("no such method")?;
     let (step_us, until_ms): (u32, u64) = (step_us.parse()?, until_ms.parse()?);
-    let description = Description::paper_loop();
+    let description = nodes.map_or_else(Description::paper_loop, Description::node_chain);
     let network = description.network();
     let mut runner = Runner::new(&network, method);
     let mut simulator = runner.simulator(&network, method, step_us)?;
