@@ -15,7 +15,7 @@ pub const NAME: &str = "zoo";
 pub const NETWORK_ID: u64 = 0x3f1b4f3b947a5f58;
 
 /// Method of the file.
-pub const METHOD: Method = Method::Relaxation;
+pub const METHOD: Method = Method::Adaptive;
 
 /// Step of the file [µs].
 pub const STEP_US: u32 = 500;
@@ -33,13 +33,13 @@ pub const RELAXATION: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 
 pub const ADAPTIVE: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 191, inputs: 12, cursors: 2 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 218, inputs: 12, cursors: 2 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 84, work: 191, inputs: 12, cursors: 2 };
+pub const TR_BDF2: Sizes = Sizes { state: 84, work: 218, inputs: 12, cursors: 2 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
+pub const BUFFERS: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
 
 /// Nodes.
 pub static NODES: [Node; 4] = [
