@@ -15,7 +15,7 @@ const FLOORS: [(&str, f64); 2] = [("adaptive", 2.5), ("tr-bdf2", 12.0)];
 /// Bars that hold and must go on holding.
 const HELD: [(&str, Bar); 1] = [("adaptive", Bar::Floors)];
 /// Runs of which the best counts.
-const RUNS: usize = 4;
+const RUNS: usize = 8;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Bar {

@@ -301,7 +301,10 @@ fn lines_whose_flow_has_no_value_or_no_bounds() {
     let error = refused(&vacuum);
     assert!(error.to_string().contains(":29:20: `loss_coefficient` needs a density"), "{error}");
     let density = "to = \"outside\"\nreference_density_kg_m3 = 1.2";
-    assert!(parse(&vacuum.replace("to = \"outside\"", density), "small.toml").is_ok());
+    let dense = vacuum.replace("to = \"outside\"", density);
+    assert!(refused(&dense).to_string().contains("starts over more than 10 kPa"));
+    let adaptive = dense.replace("[run]\n", "[run]\nmethod = \"adaptive\"\n");
+    assert!(parse(&adaptive, "small.toml").is_ok());
 
     let elements = RIGHT.find("[[line.element]]").unwrap()..RIGHT.find("[[schedule]]").unwrap();
     let pipe = |resistance: &str| {
