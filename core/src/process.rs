@@ -1,0 +1,250 @@
+//! Process image: the list of named signals between plant and hardware.
+//!
+//! An *input* brings a value from hardware to one of the network's input slots, an *output* brings one of the
+//! plant's points to hardware. A channel's description ([`InputChannel`], [`OutputChannel`]) is constant data from
+//! the network file; names live with whoever made it. What changes is small: one [`InputState`] or
+//! [`OutputState`] a channel.
+//!
+//! Once a tick [`Process::ingest`] judges what came in and [`Process::emit`] makes what goes out. A signal that is
+//! not finite, out of range, faster than allowed or off its wire is rejected and counted by itself: it holds, then
+//! goes to its safe value, and touches no other.
+
+mod channel;
+mod curve;
+mod input;
+mod output;
+
+pub use channel::{Calibration, Hold, InputChannel, OutputChannel, Point, Port, Scaling};
+pub use curve::Curve;
+pub use input::{Applied, InputState, Rejected};
+pub use output::OutputState;
+
+use crate::element::ParameterError;
+use crate::mode::Conduct;
+use crate::{Fingerprint, Network};
+
+/// Most channels in each direction.
+pub const CHANNELS: usize = 64;
+
+/// What a channel's value is worth. The number goes over the wire.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Quality {
+    /// As measured.
+    Good = 0,
+    /// No value has come yet.
+    #[default]
+    Unknown = 1,
+    /// The newest value is missing; an earlier one holds.
+    Held = 2,
+    /// Limited to the channel's range.
+    Saturated = 3,
+    /// Rejected: NaN or infinite.
+    NotFinite = 4,
+    /// Rejected: out of range.
+    OutOfRange = 5,
+    /// Rejected: changed faster than the channel can.
+    TooFast = 6,
+    /// Rejected: no such voltage or current comes over a sound wire.
+    OpenWire = 7,
+    /// Nothing acceptable for longer than allowed: the safe value stands in.
+    Lost = 8,
+    /// On the way to where it should be, at the channel's rate.
+    Moving = 9,
+}
+
+/// Why a process image was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ProcessError {
+    /// More than [`CHANNELS`] in one direction.
+    TooMany,
+    /// A parameter of an input channel.
+    Input(u16, ParameterError),
+    /// A parameter of an output channel.
+    Output(u16, ParameterError),
+    /// An input channel names a slot that does not exist or follows a schedule.
+    Slot(u16),
+    /// Two input channels drive one slot.
+    SlotTwice(u16),
+    /// An input channel's range is wider than the slot's.
+    SlotRange(u16),
+    /// An output channel names a point that does not exist.
+    Point(u16),
+    /// There are fewer states than channels.
+    States,
+}
+
+/// The description of a process image, borrowed.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Image<'a> {
+    /// From hardware to the plant.
+    pub inputs: &'a [InputChannel<'a>],
+    /// From the plant to hardware.
+    pub outputs: &'a [OutputChannel<'a>],
+}
+
+impl Image<'_> {
+    /// Finds the first thing wrong with the description, by itself and for `network`. The range of a slot is its
+    /// element's to know: [`crate::Element::input_spec`].
+    pub fn check<E: crate::Element>(&self, network: &Network<'_, E>) -> Result<(), ProcessError> {
+        if self.inputs.len() > CHANNELS || self.outputs.len() > CHANNELS {
+            return Err(ProcessError::TooMany);
+        }
+        for (index, channel) in (0u16..).zip(self.inputs) {
+            channel.check().map_err(|error| ProcessError::Input(index, error))?;
+            let driven = network.schedules.iter().any(|schedule| schedule.input == channel.slot);
+            if driven || channel.slot as usize >= network.inputs.len() {
+                return Err(ProcessError::Slot(index));
+            }
+            let earlier = self.inputs.get(..usize::from(index)).unwrap_or(&[]);
+            if earlier.iter().any(|other| other.slot == channel.slot) {
+                return Err(ProcessError::SlotTwice(index));
+            }
+            let spec = spec_of(network, channel.slot).ok_or(ProcessError::Slot(index))?;
+            if channel.min < spec.min || channel.max > spec.max {
+                return Err(ProcessError::SlotRange(index));
+            }
+        }
+        for (index, channel) in (0u16..).zip(self.outputs) {
+            channel.check().map_err(|error| ProcessError::Output(index, error))?;
+            if !channel.point.exists(network) {
+                return Err(ProcessError::Point(index));
+            }
+        }
+        Ok(())
+    }
+
+    /// A hash over every channel, the same on every machine: both ends of a link must agree on it.
+    pub fn id(&self) -> u64 {
+        let mut hash = Fingerprint::default();
+        hash.word(self.inputs.len() as u32);
+        for channel in self.inputs {
+            channel.feed(&mut hash);
+        }
+        hash.word(self.outputs.len() as u32);
+        for channel in self.outputs {
+            channel.feed(&mut hash);
+        }
+        hash.finish()
+    }
+}
+
+fn spec_of<E: crate::Element>(network: &Network<'_, E>, slot: u32) -> Option<crate::InputSpec> {
+    network.segments.iter().find_map(|segment| {
+        let index = slot.checked_sub(segment.first_input)?;
+        segment.element.input_spec(index as usize)
+    })
+}
+
+/// A process image at run time.
+#[derive(Debug)]
+pub struct Process<'a> {
+    image: Image<'a>,
+    step_s: f32,
+    inputs: &'a mut [InputState],
+    outputs: &'a mut [OutputState],
+}
+
+impl<'a> Process<'a> {
+    /// Starts an image that passed [`Image::check`], for ticks of `step_s` \[s\], with one state a channel.
+    pub fn new(
+        image: Image<'a>,
+        step_s: f32,
+        inputs: &'a mut [InputState],
+        outputs: &'a mut [OutputState],
+    ) -> Result<Self, ProcessError> {
+        let inputs = inputs.get_mut(..image.inputs.len()).ok_or(ProcessError::States)?;
+        let outputs = outputs.get_mut(..image.outputs.len()).ok_or(ProcessError::States)?;
+        for (state, channel) in inputs.iter_mut().zip(image.inputs) {
+            *state = InputState::new(channel.safe_value);
+        }
+        for (state, channel) in outputs.iter_mut().zip(image.outputs) {
+            *state = OutputState::new(channel.safe_value);
+        }
+        Ok(Self { image, step_s, inputs, outputs })
+    }
+
+    /// The description.
+    pub fn image(&self) -> Image<'a> {
+        self.image
+    }
+
+    /// Tells which values the plant has, one per input channel: where inputs start from when they are applied.
+    pub fn start_from(&mut self, mut value: impl FnMut(&InputChannel<'_>) -> f32) {
+        for (state, channel) in self.inputs.iter_mut().zip(self.image.inputs) {
+            state.start_from(value(channel));
+        }
+    }
+
+    /// Judges what came in since the last tick: the raw value of each input channel, `None` where nothing came.
+    /// Missing entries count as nothing.
+    pub fn ingest(&mut self, raw: &[Option<f32>], conduct: &Conduct) {
+        let raw = raw.iter().copied().chain(core::iter::repeat(None));
+        for ((state, channel), raw) in self.inputs.iter_mut().zip(self.image.inputs).zip(raw) {
+            state.ingest(channel, raw, self.step_s, conduct.inputs);
+        }
+    }
+
+    /// Slot, value and slope of every input channel for the step that begins now.
+    pub fn applied(&self) -> impl Iterator<Item = (u32, Applied)> + '_ {
+        self.image
+            .inputs
+            .iter()
+            .zip(self.inputs.iter())
+            .map(|(channel, state)| (channel.slot, state.applied()))
+    }
+
+    /// Makes what goes out of the plant's points. `value` gives a point's value in its unit.
+    pub fn emit(&mut self, mut value: impl FnMut(Point) -> f32, conduct: &Conduct) {
+        for (state, channel) in self.outputs.iter_mut().zip(self.image.outputs) {
+            state.emit(channel, value(channel.point), self.step_s, conduct.outputs);
+        }
+    }
+
+    /// States of the input channels.
+    pub fn inputs(&self) -> &[InputState] {
+        self.inputs
+    }
+
+    /// States of the output channels.
+    pub fn outputs(&self) -> &[OutputState] {
+        self.outputs
+    }
+
+    /// The first essential input that has been lost.
+    pub fn lost_input(&self) -> Option<u16> {
+        let mut channels = (0u16..).zip(self.image.inputs.iter().zip(self.inputs.iter()));
+        let lost = |channel: &InputChannel<'_>, state: &InputState| {
+            channel.essential && state.quality() == Quality::Lost
+        };
+        channels.find_map(|(index, (channel, state))| lost(channel, state).then_some(index))
+    }
+
+    /// Whether every essential input has a value that was accepted in this tick.
+    pub fn inputs_good(&self) -> bool {
+        self.image
+            .inputs
+            .iter()
+            .zip(self.inputs.iter())
+            .all(|(channel, state)| !channel.essential || state.is_good())
+    }
+
+    /// Whether every output has reached what it is going to.
+    pub fn outputs_arrived(&self) -> bool {
+        self.outputs.iter().all(OutputState::has_arrived)
+    }
+}
+
+/// `from` moved towards `to` by at most `most`.
+fn towards(from: f32, to: f32, most: f32) -> f32 {
+    let way = to - from;
+    if way.abs() <= most {
+        to
+    } else if way > 0.0 {
+        from + most
+    } else {
+        from - most
+    }
+}
