@@ -41,6 +41,8 @@ mod node;
 pub mod operator;
 mod plan;
 pub mod process;
+#[cfg(feature = "protocol")]
+pub mod protocol;
 mod schedule;
 mod simulator;
 mod storage;

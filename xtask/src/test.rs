@@ -42,7 +42,7 @@ pub(crate) fn in_ci() -> bool {
 /// Everything but the firmware application, of which only the board for computers can be built here.
 const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
 /// What the core offers to boards and files.
-const OPTIONS: &str = "eclss-core/serde,eclss-core/defmt";
+const OPTIONS: &str = "eclss-core/protocol,eclss-core/defmt";
 const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-pc"];
 
 fn lints() -> Outcome {

@@ -189,7 +189,9 @@ impl Point {
             Self::OutletGauge { line, segment } => [3, line, segment],
             Self::Input(slot) => [4, slot, 0],
         };
-        words.into_iter().for_each(|word| hash.word(word));
+        for word in words {
+            hash.word(word);
+        }
     }
 }
 

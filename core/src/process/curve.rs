@@ -73,6 +73,7 @@ impl Curve<'_> {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values that must come through unchanged")]
 mod tests {
     use super::*;
 

@@ -227,6 +227,7 @@ impl InputState {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values that must come through unchanged")]
 mod tests {
     use super::super::{Curve, Port, Scaling};
     use super::*;

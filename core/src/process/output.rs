@@ -82,6 +82,7 @@ impl OutputState {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values that must come through unchanged")]
 mod tests {
     use super::super::{Curve, Point, Port, Scaling};
     use super::*;

@@ -1,0 +1,478 @@
+//! One end of the wire: handshake, sessions, newest data, commands and their answers.
+//!
+//! Each end sends hellos with a number of its own (*nonce*) and the number that it heard from the peer. An end that
+//! hears its own number back, or a packet of the session that both numbers make, is connected. A session that is
+//! silent for too long is over, and the next one has new numbers: no packet of an old session is ever taken.
+
+use super::clock::Clock;
+use super::counters::Counters;
+use super::frame::{self, FRAME_BYTES, Framer};
+use super::message::{
+    Ack, Body, Command, CommandFrame, Data, Echo, Hello, Outcome, Packet, Refused, RefusedReason, Role,
+    VERSION,
+};
+use super::window::{Arrival, Window};
+use crate::mode::Mode;
+
+/// Room for what has not been sent yet \[bytes\].
+pub const OUTGOING_BYTES: usize = 2 * FRAME_BYTES;
+
+/// What both ends must agree on, and this end's patience.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Config {
+    /// Which end this is.
+    pub role: Role,
+    /// Id of the network.
+    pub network_id: u64,
+    /// Id of the process image.
+    pub process_id: u64,
+    /// The plant's step \[µs\].
+    pub step_us: u32,
+    /// Values from controller to plant, at most [`crate::process::CHANNELS`].
+    pub inputs: u16,
+    /// Values from plant to controller, at most [`crate::process::CHANNELS`].
+    pub outputs: u16,
+    /// Ticks between hellos.
+    pub hello_ticks: u32,
+    /// Ticks without a packet after which a session is over.
+    pub silent_ticks: u32,
+    /// Ticks after which a command that was not answered is sent again.
+    pub resend_ticks: u32,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            role: Role::Plant,
+            network_id: 0,
+            process_id: 0,
+            step_us: 1_000,
+            inputs: 0,
+            outputs: 0,
+            hello_ticks: 20,
+            silent_ticks: 200,
+            resend_ticks: 20,
+        }
+    }
+}
+
+/// What goes out in a tick.
+#[derive(Debug, Clone, Copy)]
+pub struct Outgoing<'a> {
+    /// Mode of this end.
+    pub mode: Mode,
+    /// Why it is SAFE, as a number.
+    pub cause: u8,
+    /// Values for the peer; those beyond [`crate::process::CHANNELS`] are not sent.
+    pub values: &'a [f32],
+    /// Quality of each value; empty where all are good.
+    pub quality: &'a [u8],
+    /// Quality of each of the peer's values.
+    pub seen: &'a [u8],
+}
+
+impl Default for Outgoing<'_> {
+    fn default() -> Self {
+        Self { mode: Mode::PowerUp, cause: 0, values: &[], quality: &[], seen: &[] }
+    }
+}
+
+/// The newest process data of the peer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Received {
+    /// The data.
+    pub data: Data,
+    /// The peer's tick.
+    pub tick: u64,
+    /// Sequence number of its packet.
+    pub sequence: u32,
+    /// The peer's clock when it was sent \[µs\].
+    pub time_us: u64,
+    /// Our clock when it came \[µs\].
+    pub arrived_us: u64,
+}
+
+/// A command of ours on its way.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    frame: CommandFrame,
+    /// Ticks until it is sent (again).
+    wait: u32,
+}
+
+/// One end of the wire.
+#[derive(Debug, Clone)]
+pub struct Link {
+    config: Config,
+    nonce: u32,
+    peer_nonce: Option<u32>,
+    session: Option<u32>,
+    refused: Option<RefusedReason>,
+    framer: Framer,
+    window: Window,
+    counters: Counters,
+    clock: Clock,
+    received: Received,
+    fresh: bool,
+    /// Ticks since the newest data.
+    silence: u32,
+    /// Ticks since the newest packet of the session.
+    quiet: u32,
+    until_hello: u32,
+    answer: bool,
+    refuse: Option<Refused>,
+    sequence: u32,
+    /// The command that the peer gave last, and what became of it.
+    last: Option<(u32, Option<Outcome>)>,
+    todo: Option<CommandFrame>,
+    ack_out: Option<Ack>,
+    next_command: u32,
+    pending: Option<Pending>,
+    ack_in: Option<Ack>,
+    out: [u8; OUTGOING_BYTES],
+    out_start: usize,
+    out_end: usize,
+}
+
+impl Link {
+    /// Makes an end that knows of no peer. `nonce` should be another one at every start, as from a clock or a noise
+    /// source, so that packets from before are told apart.
+    pub fn new(config: Config, nonce: u32) -> Self {
+        Self {
+            config,
+            nonce: nonce.max(1),
+            peer_nonce: None,
+            session: None,
+            refused: None,
+            framer: Framer::new(),
+            window: Window::default(),
+            counters: Counters::default(),
+            clock: Clock::default(),
+            received: Received::default(),
+            fresh: false,
+            silence: u32::MAX,
+            quiet: 0,
+            until_hello: 0,
+            answer: false,
+            refuse: None,
+            sequence: 0,
+            last: None,
+            todo: None,
+            ack_out: None,
+            next_command: 0,
+            pending: None,
+            ack_in: None,
+            out: [0; OUTGOING_BYTES],
+            out_start: 0,
+            out_end: 0,
+        }
+    }
+
+    /// Takes bytes that came in, at `now_us` on this end's clock.
+    pub fn feed(&mut self, bytes: &[u8], now_us: u64) {
+        for byte in bytes {
+            match self.framer.push(*byte) {
+                Some(Ok(packet)) => self.take(packet, now_us),
+                Some(Err(bad)) => self.counters.bad(bad),
+                None => {}
+            }
+        }
+    }
+
+    /// Whether there is a session.
+    pub fn is_connected(&self) -> bool {
+        self.session.is_some()
+    }
+
+    /// Why the peer refused the latest hello, if it did.
+    pub fn refused(&self) -> Option<RefusedReason> {
+        self.refused
+    }
+
+    /// Ticks since data came, seen after this tick's bytes were fed: 0 where some came in this tick.
+    pub fn silence_ticks(&self) -> u32 {
+        self.silence
+    }
+
+    /// The newest data that came since the last call; `None` where none did.
+    pub fn take_data(&mut self) -> Option<&Data> {
+        core::mem::take(&mut self.fresh).then_some(&self.received.data)
+    }
+
+    /// The newest data that ever came, with their stamps.
+    pub fn newest(&self) -> &Received {
+        &self.received
+    }
+
+    /// The next command of the peer, to be answered by [`Self::acknowledge`].
+    pub fn take_command(&mut self) -> Option<CommandFrame> {
+        self.todo.take()
+    }
+
+    /// Answers a command.
+    pub fn acknowledge(&mut self, id: u32, outcome: Outcome) {
+        if self.last.is_some_and(|(last, _)| last == id) {
+            self.last = Some((id, Some(outcome)));
+            self.ack_out = Some(Ack { id, outcome });
+        }
+    }
+
+    /// Gives the peer a command. Returns its number; `None` without a session, or while one is still on its way.
+    pub fn command(&mut self, command: Command) -> Option<u32> {
+        if self.session.is_none() || self.pending.is_some() {
+            return None;
+        }
+        self.next_command = self.next_command.wrapping_add(1);
+        let id = self.next_command;
+        self.pending = Some(Pending { frame: CommandFrame { id, command }, wait: 0 });
+        Some(id)
+    }
+
+    /// The answer to a command, once. A session that ends takes its command with it, done or not.
+    pub fn take_ack(&mut self) -> Option<Ack> {
+        self.ack_in.take()
+    }
+
+    /// Whether a command is on its way.
+    pub fn is_commanding(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// Frames by what became of them.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// The peer's clock.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// Packets sent in this session.
+    pub fn sent_packets(&self) -> u32 {
+        self.sequence
+    }
+
+    /// Ends a tick: whatever has to be said in it goes to [`Self::outgoing`].
+    pub fn send_tick(&mut self, tick: u64, now_us: u64, outgoing: &Outgoing<'_>) {
+        self.silence = self.silence.saturating_add(1);
+        self.quiet = self.quiet.saturating_add(1);
+        if self.session.is_some() && self.quiet > self.config.silent_ticks {
+            self.end_session();
+        }
+        self.greet(tick, now_us);
+        if self.session.is_none() {
+            return;
+        }
+        if let Some(ack) = self.ack_out.take() {
+            self.send(tick, now_us, Body::Ack(ack));
+        }
+        if let Some(pending) = &mut self.pending {
+            let due = pending.wait == 0;
+            pending.wait = if due { self.config.resend_ticks } else { pending.wait - 1 };
+            let frame = pending.frame;
+            if due {
+                self.send(tick, now_us, Body::Command(frame));
+            }
+        }
+        let newest = &self.received;
+        let age_us = u32::try_from(now_us.saturating_sub(newest.arrived_us)).unwrap_or(u32::MAX);
+        let mut data = Data {
+            mode: outgoing.mode,
+            cause: outgoing.cause,
+            echo: Echo { sequence: newest.sequence, time_us: newest.time_us, age_us },
+            ..Data::default()
+        };
+        data.values.extend(outgoing.values.iter().copied().take(data.values.capacity()));
+        data.quality.extend(outgoing.quality.iter().copied().take(data.quality.capacity()));
+        data.seen.extend(outgoing.seen.iter().copied().take(data.seen.capacity()));
+        self.send(tick, now_us, Body::Data(data));
+    }
+
+    /// Whole frames that have to be sent.
+    pub fn outgoing(&self) -> &[u8] {
+        self.out.get(self.out_start..self.out_end).unwrap_or(&[])
+    }
+
+    /// Takes note that the first `bytes` of [`Self::outgoing`] are on their way.
+    pub fn sent(&mut self, bytes: usize) {
+        self.out_start = (self.out_start + bytes).min(self.out_end);
+        if self.out_start == self.out_end {
+            (self.out_start, self.out_end) = (0, 0);
+        }
+    }
+
+    fn take(&mut self, packet: Packet, now_us: u64) {
+        match packet.body {
+            Body::Hello(hello) if packet.session == 0 => self.hello(hello),
+            Body::Refused(refused) if packet.session == 0 => {
+                self.counters.handshake = self.counters.handshake.saturating_add(1);
+                if self.session.is_none() && refused.echo == self.nonce {
+                    self.refused = Some(refused.reason);
+                }
+            }
+            Body::Data(_) | Body::Command(_) | Body::Ack(_) if self.belongs(packet.session) => {
+                match self.window.arrive(packet.sequence) {
+                    Arrival::New { missing } => {
+                        self.counters.lost = self.counters.lost.saturating_add(missing);
+                        self.counters.accepted = self.counters.accepted.saturating_add(1);
+                        self.quiet = 0;
+                        self.accept(packet, now_us);
+                    }
+                    Arrival::Late => {
+                        self.counters.lost = self.counters.lost.saturating_sub(1);
+                        self.counters.late = self.counters.late.saturating_add(1);
+                    }
+                    Arrival::Ancient => self.counters.ancient = self.counters.ancient.saturating_add(1),
+                    Arrival::Duplicate => self.counters.duplicate = self.counters.duplicate.saturating_add(1),
+                }
+            }
+            _ => self.counters.foreign_session = self.counters.foreign_session.saturating_add(1),
+        }
+    }
+
+    /// Whether a packet is of our session, which its arrival may begin.
+    fn belongs(&mut self, session: u32) -> bool {
+        if self.session.is_none() {
+            let agreed = self.peer_nonce.map(|peer| self.session_with(peer));
+            if agreed != Some(session) {
+                return false;
+            }
+            self.begin_session(session);
+        }
+        self.session == Some(session)
+    }
+
+    fn session_with(&self, peer: u32) -> u32 {
+        let (plant, controller) = match self.config.role {
+            Role::Plant => (self.nonce, peer),
+            Role::Controller => (peer, self.nonce),
+        };
+        let [a, b, c, d] = plant.to_le_bytes();
+        let [e, f, g, h] = controller.to_le_bytes();
+        frame::check_sum(&[a, b, c, d, e, f, g, h]).max(1)
+    }
+
+    fn hello(&mut self, hello: Hello) {
+        let Config { role, network_id, process_id, step_us, inputs, outputs, .. } = self.config;
+        let reason = if hello.role == role {
+            Some(RefusedReason::Role)
+        } else if hello.network_id != network_id {
+            Some(RefusedReason::Network)
+        } else if (hello.process_id, hello.inputs, hello.outputs) != (process_id, inputs, outputs) {
+            Some(RefusedReason::Process)
+        } else if hello.step_us != step_us {
+            Some(RefusedReason::Step)
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            self.counters.foreign_id = self.counters.foreign_id.saturating_add(1);
+            self.refuse = Some(Refused { reason, echo: hello.nonce });
+            return;
+        }
+        self.counters.handshake = self.counters.handshake.saturating_add(1);
+        if self.session.is_some() {
+            // One from before we agreed, or a peer that started anew, for whom this session must run dry first.
+            self.answer = self.peer_nonce == Some(hello.nonce) && hello.echo != self.nonce;
+            return;
+        }
+        self.peer_nonce = Some(hello.nonce);
+        if hello.echo == self.nonce {
+            self.begin_session(self.session_with(hello.nonce));
+        } else {
+            self.answer = true;
+        }
+    }
+
+    fn begin_session(&mut self, session: u32) {
+        self.session = Some(session);
+        self.counters.sessions = self.counters.sessions.saturating_add(1);
+        self.refused = None;
+        self.window = Window::default();
+        self.sequence = 0;
+        self.quiet = 0;
+        self.received.sequence = 0;
+        (self.last, self.todo, self.ack_out) = (None, None, None);
+    }
+
+    fn end_session(&mut self) {
+        (self.session, self.peer_nonce) = (None, None);
+        self.nonce = self.nonce.wrapping_add(1).max(1);
+        self.until_hello = 0;
+        (self.pending, self.todo, self.ack_out) = (None, None, None);
+    }
+
+    fn accept(&mut self, packet: Packet, now_us: u64) {
+        match packet.body {
+            Body::Data(data) => {
+                if data.echo.sequence != 0 {
+                    self.clock.exchange(data.echo.time_us, packet.time_us, data.echo.age_us, now_us);
+                }
+                let Packet { tick, sequence, time_us, .. } = packet;
+                self.received = Received { data, tick, sequence, time_us, arrived_us: now_us };
+                self.fresh = true;
+                self.silence = 0;
+            }
+            Body::Command(frame) => match self.last {
+                Some((id, done)) if id == frame.id => {
+                    self.ack_out = done.map(|outcome| Ack { id, outcome }).or(self.ack_out);
+                }
+                Some((_, None)) => self.ack_out = Some(Ack { id: frame.id, outcome: Outcome::Busy }),
+                _ => {
+                    self.last = Some((frame.id, None));
+                    self.todo = Some(frame);
+                }
+            },
+            Body::Ack(ack) => {
+                if self.pending.is_some_and(|pending| pending.frame.id == ack.id) {
+                    self.pending = None;
+                    self.ack_in = Some(ack);
+                }
+            }
+            // Told apart before.
+            Body::Hello(_) | Body::Refused(_) => {}
+        }
+    }
+
+    /// Sends what belongs to the handshake.
+    fn greet(&mut self, tick: u64, now_us: u64) {
+        if let Some(refused) = self.refuse.take() {
+            self.send_as(0, 0, tick, now_us, Body::Refused(refused));
+        }
+        let due = self.session.is_none() && self.until_hello == 0;
+        self.until_hello = if due { self.config.hello_ticks } else { self.until_hello.saturating_sub(1) };
+        if core::mem::take(&mut self.answer) || due {
+            let Config { role, network_id, process_id, step_us, inputs, outputs, .. } = self.config;
+            let (nonce, echo) = (self.nonce, self.peer_nonce.unwrap_or(0));
+            let hello = Hello { role, network_id, process_id, step_us, inputs, outputs, nonce, echo };
+            self.send_as(0, 0, tick, now_us, Body::Hello(hello));
+        }
+    }
+
+    fn send(&mut self, tick: u64, now_us: u64, body: Body) {
+        let Some(session) = self.session else { return };
+        let sequence = self.sequence.wrapping_add(1);
+        if self.send_as(session, sequence, tick, now_us, body) {
+            self.sequence = sequence;
+        }
+    }
+
+    fn send_as(&mut self, session: u32, sequence: u32, tick: u64, now_us: u64, body: Body) -> bool {
+        let packet = Packet { version: VERSION, session, sequence, tick, time_us: now_us, body };
+        if self.out_start > 0 {
+            self.out.copy_within(self.out_start..self.out_end, 0);
+            self.out_end -= self.out_start;
+            self.out_start = 0;
+        }
+        let length = self.out.get_mut(self.out_end..).and_then(|room| frame::encode(&packet, room));
+        match length {
+            Some(length) => self.out_end += length,
+            None => self.counters.unsent = self.counters.unsent.saturating_add(1),
+        }
+        length.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests;

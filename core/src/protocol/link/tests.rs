@@ -1,0 +1,239 @@
+use super::*;
+use crate::mode::Request;
+use std::vec;
+use std::vec::Vec;
+
+const CONFIG: Config = Config {
+    role: Role::Plant,
+    network_id: 0x1122_3344_5566_7788,
+    process_id: 42,
+    step_us: 1_000,
+    inputs: 1,
+    outputs: 2,
+    hello_ticks: 5,
+    silent_ticks: 20,
+    resend_ticks: 4,
+};
+
+/// Two ends and what is under way between them.
+struct Wire {
+    ends: [Link; 2],
+    tick: u64,
+    /// What each end got, by tick.
+    got: [Vec<(u64, f32)>; 2],
+}
+
+impl Wire {
+    fn new() -> Self {
+        let controller = Config { role: Role::Controller, ..CONFIG };
+        Self { ends: [Link::new(CONFIG, 1), Link::new(controller, 1)], tick: 0, got: [vec![], vec![]] }
+    }
+
+    /// One tick: both ends send, `spoil` may change what is under way to each end, both ends read.
+    fn tick(&mut self, mut spoil: impl FnMut(usize, &mut Vec<u8>)) {
+        self.tick += 1;
+        let now_us = 1_000 * self.tick;
+        let values = [self.tick as f32, 0.5];
+        let mut bytes = self.ends.each_mut().map(|end| {
+            end.send_tick(
+                self.tick,
+                now_us,
+                &Outgoing { mode: Mode::Ready, values: &values, ..Outgoing::default() },
+            );
+            let bytes = end.outgoing().to_vec();
+            end.sent(bytes.len());
+            bytes
+        });
+        bytes.reverse();
+        for (index, (end, mut bytes)) in self.ends.iter_mut().zip(bytes).enumerate() {
+            spoil(index, &mut bytes);
+            end.feed(&bytes, now_us + 300);
+            self.got[index].extend(end.take_data().map(|data| (self.tick, data.values[0])));
+        }
+    }
+
+    fn run(&mut self, ticks: u64) {
+        (0..ticks).for_each(|_| self.tick(|_, _| ()));
+    }
+
+    fn connected(&self) -> bool {
+        self.ends.iter().all(Link::is_connected)
+    }
+}
+
+#[test]
+fn two_ends_find_each_other_and_exchange_data_every_tick() {
+    let mut wire = Wire::new();
+    wire.run(50);
+    assert!(wire.connected());
+    for (end, got) in wire.ends.iter().zip(&wire.got) {
+        assert!(got.len() >= 48, "{}", got.len());
+        assert!(got.iter().all(|(tick, value)| *value as u64 == *tick));
+        let counters = end.counters();
+        assert_eq!((counters.damaged(), counters.foreign(), counters.lost, counters.sessions), (0, 0, 0, 1));
+        assert_eq!(end.silence_ticks(), 0);
+        assert_eq!(end.clock().estimate().unwrap().offset_us, 0);
+        assert_eq!(end.clock().estimate().unwrap().round_trip_us, 600);
+    }
+}
+
+#[test]
+fn another_network_image_step_or_role_is_refused_and_says_why() {
+    let controller = Config { role: Role::Controller, ..CONFIG };
+    let others = [
+        (RefusedReason::Role, CONFIG),
+        (RefusedReason::Network, Config { network_id: 1, ..controller }),
+        (RefusedReason::Process, Config { process_id: 1, ..controller }),
+        (RefusedReason::Process, Config { inputs: 2, ..controller }),
+        (RefusedReason::Step, Config { step_us: 999, ..controller }),
+    ];
+    for (reason, config) in others {
+        let mut wire = Wire::new();
+        wire.ends[1] = Link::new(config, 77);
+        wire.run(50);
+        assert!(!wire.connected() && wire.got.iter().all(Vec::is_empty));
+        assert_eq!(wire.ends.each_ref().map(Link::refused), [Some(reason); 2]);
+        assert!(wire.ends[0].counters().foreign_id > 0);
+    }
+}
+
+/// A cut link ends, a new session begins by itself, and nothing of the old one is ever taken.
+#[test]
+fn a_cut_link_reconnects_and_takes_nothing_old() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    let mut old = Vec::new();
+    wire.tick(|index, bytes| {
+        if index == 0 {
+            old = bytes.clone();
+        }
+    });
+    for _ in 0..30 {
+        wire.tick(|_, bytes| bytes.clear());
+    }
+    assert!(!wire.connected() && wire.ends[0].silence_ticks() == 30);
+    wire.run(10);
+    assert!(wire.connected() && wire.ends[0].counters().sessions == 2);
+    let (before, taken) = (*wire.ends[0].counters(), wire.got[0].len());
+    wire.ends[0].feed(&old, 0);
+    assert!(wire.ends[0].take_data().is_none() && wire.got[0].len() == taken);
+    assert_eq!(wire.ends[0].counters().foreign_session, before.foreign_session + 1);
+}
+
+/// One end starts anew: the other drops the dead session and joins the new one.
+#[test]
+fn an_end_that_started_anew_is_found_again() {
+    for restarted in [0, 1] {
+        let mut wire = Wire::new();
+        wire.run(20);
+        let config = wire.ends[restarted].config;
+        wire.ends[restarted] = Link::new(config, 999);
+        wire.run(60);
+        assert!(wire.connected());
+        let newest = wire.got.each_ref().map(|got| got.last().unwrap().0);
+        assert_eq!(newest, [80, 80]);
+    }
+}
+
+/// Every way to lose, repeat, hold back or damage a packet has its own count, and the sums come out.
+#[test]
+fn every_packet_is_accounted_for() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    let before = *wire.ends[0].counters();
+    let mut held = Vec::new();
+    let mut dice = 7_u64;
+    let (mut damaged, mut duplicated) = (0, 0);
+    for _ in 0..4_000 {
+        dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        wire.tick(|index, bytes| {
+            if index == 1 {
+                return;
+            }
+            match (dice >> 40) % 20 {
+                0 => bytes.clear(),
+                1 => {
+                    duplicated += 1;
+                    bytes.extend_from_within(..);
+                }
+                2 if held.is_empty() => held = std::mem::take(bytes),
+                3 if !held.is_empty() => bytes.append(&mut held),
+                4 => {
+                    // The byte never becomes zero, so that one bad frame stays one.
+                    let place = (dice >> 8) as usize % (bytes.len() - 1);
+                    bytes[place] = if bytes[place] == 255 { 254 } else { bytes[place] + 1 };
+                    damaged += 1;
+                }
+                _ => {}
+            }
+        });
+    }
+    let got = wire.got[0].iter().map(|(_, value)| *value).collect::<Vec<_>>();
+    assert!(got.is_sorted_by(|a, b| a < b), "never back in time");
+    let counters = *wire.ends[0].counters();
+    assert_eq!(counters.damaged() - before.damaged(), damaged);
+    assert_eq!(counters.duplicate, duplicated);
+    assert!(counters.late > 20 && counters.lost > 20);
+    let newest = wire.ends[0].window.newest();
+    assert_eq!(counters.accepted + counters.late + counters.lost, newest);
+}
+
+#[test]
+fn a_command_is_done_once_and_answered_however_often_it_is_sent() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    assert_eq!(wire.ends[1].command(Command::Mode(Request::Arm)), Some(1));
+    assert_eq!(wire.ends[1].command(Command::Mode(Request::Stop)), None, "one at a time");
+    let mut done = 0;
+    for round in 0..40 {
+        // The way back is cut at first, so that the command is sent again and again.
+        wire.tick(|index, bytes| {
+            if index == 1 && round < 15 {
+                bytes.clear();
+            }
+        });
+        if let Some(frame) = wire.ends[0].take_command() {
+            assert_eq!(frame.command, Command::Mode(Request::Arm));
+            done += 1;
+            wire.ends[0].acknowledge(frame.id, Outcome::Mode(Mode::Run));
+        }
+    }
+    assert_eq!(done, 1);
+    let answer = wire.ends[1].take_ack();
+    assert_eq!(answer, Some(Ack { id: 1, outcome: Outcome::Mode(Mode::Run) }));
+    assert_eq!((wire.ends[1].take_ack(), wire.ends[1].is_commanding()), (None, false));
+}
+
+/// A command that was held back until after a later one is not done.
+#[test]
+fn a_late_command_is_not_done() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    wire.ends[1].command(Command::Mode(Request::Arm));
+    let mut held = Vec::new();
+    wire.tick(|index, bytes| {
+        if index == 0 {
+            held = std::mem::take(bytes);
+        }
+    });
+    wire.tick(|_, _| ());
+    wire.ends[0].feed(&held, 0);
+    assert_eq!(wire.ends[0].take_command(), None);
+    assert_eq!(wire.ends[0].counters().late, 2, "the command and the data of its tick");
+}
+
+/// What nobody takes from the buffer is not sent, and the peer sees no gap where nothing was sent.
+#[test]
+fn a_full_buffer_leaves_whole_packets_out() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    for _ in 0..15 {
+        wire.ends[0].send_tick(0, 0, &Outgoing { values: &[1.0; 64], ..Outgoing::default() });
+    }
+    assert!(wire.ends[0].outgoing().len() <= OUTGOING_BYTES);
+    assert!(wire.ends[0].counters().unsent >= 10);
+    let bytes = wire.ends[0].outgoing().to_vec();
+    wire.ends[0].sent(bytes.len());
+    wire.ends[1].feed(&bytes, 0);
+    assert_eq!((wire.ends[1].counters().lost, wire.ends[1].counters().damaged()), (0, 0));
+}
