@@ -55,5 +55,8 @@ pub use node::{Node, NodeKind};
 pub use operator::{Margin, Proof};
 pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
-pub use simulator::{BuildError, Compiled, CompiledSimulator, Fault, Health, Place, Settings, Simulator};
+pub use simulator::{
+    BuildError, CheckpointError, Compiled, CompiledSimulator, Continuation, Fault, Health, Hold, InputError,
+    LiveInput, Place, Settings, Simulator,
+};
 pub use storage::{Buffers, Sizes, Storage};

@@ -1,5 +1,11 @@
 //! Joins description, state and method, and counts time.
 
+mod checkpoint;
+mod live;
+
+pub use checkpoint::CheckpointError;
+pub use live::{Continuation, Hold, InputError, LiveInput};
+
 use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
 use crate::method::observe::Observer;
@@ -248,19 +254,14 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.health
     }
 
-    /// Sets an input from outside, as hardware or an operator does. Returns false where the slot does not
-    /// exist, follows a schedule, or the value is not finite. The range is the caller's to check against the
-    /// element's [`crate::InputSpec`].
-    pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
-        let scheduled = self.network.schedules.iter().any(|schedule| schedule.input as usize == slot);
-        let slots = self.network.inputs.len();
-        if scheduled || slot >= slots || !value.is_finite() {
-            return false;
+    /// Advances by `steps` steps, or until the run is no longer trusted.
+    pub fn step_times(&mut self, steps: u64) -> Health {
+        for _ in 0..steps {
+            if self.step() != Health::Trusted {
+                break;
+            }
         }
-        for input in self.inputs.iter_mut().skip(slot).step_by(slots) {
-            *input = value;
-        }
-        true
+        self.health
     }
 
     fn observer(&self) -> Observer<'_, 'a, E> {
@@ -414,8 +415,18 @@ impl<'a, N: Compiled> CompiledSimulator<'a, N> {
     }
 
     /// Sets an input, see [`Simulator::set_input`].
-    pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
+    pub fn set_input(&mut self, slot: usize, value: f32) -> Result<(), InputError> {
         self.simulator.set_input(slot, value)
+    }
+
+    /// Sets a live input, see [`Simulator::set_live`].
+    pub fn set_live(&mut self, input: &LiveInput, value: f32, change: f32) -> Result<(), InputError> {
+        self.simulator.set_live(input, value, change)
+    }
+
+    /// Goes back to a checkpoint, see [`Simulator::restore`].
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+        self.simulator.restore(bytes)
     }
 }
 

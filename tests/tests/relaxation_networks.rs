@@ -47,7 +47,7 @@ fn every_step_is_the_one_that_the_equations_say() -> Outcome {
                     for slot in 0..drawn.tables.inputs.len() {
                         let value = dice.between(0.1, 1.0) as f32;
                         drawn.tables.inputs[slot] = value;
-                        assert!(simulator.set_input(slot, value));
+                        assert_eq!(simulator.set_input(slot, value), Ok(()));
                     }
                     drawn.refresh();
                 }

@@ -55,7 +55,7 @@ pub fn jumps(
                 inputs = drawn.drawn_inputs(dice);
             }
             for (slot, &value) in inputs.iter().enumerate() {
-                simulator.set_input(slot, value);
+                simulator.set_input(slot, value).expect("drawn within its range");
             }
             // An island that is drained for ever has no steady state to stay near.
             let target = match steady(&network, &inputs) {
