@@ -56,7 +56,7 @@ pub use operator::{Margin, Proof};
 pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
 pub use simulator::{
-    BuildError, CheckpointError, Compiled, CompiledSimulator, Continuation, Fault, Health, Hold, InputError,
-    LiveInput, Place, Settings, Simulator,
+    BuildError, CheckpointError, Compiled, CompiledSimulator, Fault, Health, InputError, LiveInput, Place,
+    Settings, Simulator,
 };
 pub use storage::{Buffers, Sizes, Storage};

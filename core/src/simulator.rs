@@ -4,7 +4,7 @@ mod checkpoint;
 mod live;
 
 pub use checkpoint::CheckpointError;
-pub use live::{Continuation, Hold, InputError, LiveInput};
+pub use live::{InputError, LiveInput};
 
 use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
@@ -420,8 +420,8 @@ impl<'a, N: Compiled> CompiledSimulator<'a, N> {
     }
 
     /// Sets a live input, see [`Simulator::set_live`].
-    pub fn set_live(&mut self, input: &LiveInput, value: f32, change: f32) -> Result<(), InputError> {
-        self.simulator.set_live(input, value, change)
+    pub fn set_live(&mut self, input: &LiveInput, value: f32, slope_per_s: f32) -> Result<(), InputError> {
+        self.simulator.set_live(input, value, slope_per_s)
     }
 
     /// Goes back to a checkpoint, see [`Simulator::restore`].

@@ -1,6 +1,8 @@
 //! What it costs to see an input through an interface: experiment P with the valve's opening sampled once a tick.
 
-use eclss_core::{Continuation, Health, Hold, Method, Network, Node, NodeKind};
+use eclss_core::mode::Mode;
+use eclss_core::process::{Hold, Image, InputChannel, InputState, Port, Process, Scaling};
+use eclss_core::{Health, Method, Network, Node, NodeKind};
 use eclss_tests::paper;
 use eclss_tests::physical::{Drain, Ringing};
 use eclss_tests::product::{closing_loop, with_simulator};
@@ -8,6 +10,27 @@ use eclss_tests::tight::{Family, solve};
 
 /// The valve's input slot.
 const VALVE: usize = 1;
+
+/// The channel through which the opening comes: nothing but its hold shapes the signal.
+fn channel(hold: Hold) -> InputChannel<'static> {
+    InputChannel {
+        slot: VALVE as u32,
+        port: Port::Link,
+        scaling: Scaling::NONE,
+        min: 0.0,
+        max: 1.0,
+        saturates: false,
+        max_rate_per_s: f32::INFINITY,
+        filter_s: 0.0,
+        hold,
+        extrapolate_ticks: 1,
+        event_step: 0.1,
+        stale_ticks: 10,
+        safe_value: 1.0,
+        safe_rate_per_s: f32::INFINITY,
+        essential: true,
+    }
+}
 
 /// How the opening reaches the plant.
 #[derive(Clone, Copy, Debug)]
@@ -35,15 +58,23 @@ fn run(step_us: u32, seen: Seen) -> Vec<f64> {
     let live = Network { schedules: &[], points: &[], ..scheduled };
     let network = if matches!(seen, Seen::Scheduled) { &scheduled } else { &live };
     with_simulator(network, Method::TrBdf2, step_us, |simulator| {
-        let mut continuation = Continuation::default();
+        let hold = if let Seen::Sampled { hold, .. } = seen { hold } else { Hold::Zero };
+        let inputs = [channel(hold)];
+        let image = Image { inputs: &inputs, outputs: &[] };
+        let mut states = [InputState::new(1.0)];
+        let step_s = step_us as f32 * 1e-6;
+        let mut process = Process::new(image, step_s, &mut states, &mut []).expect("one state a channel");
         let mut flows = Vec::new();
         while simulator.time_us() < 12_000_000 {
-            if let Seen::Sampled { hold, late } = seen {
+            if let Seen::Sampled { late, .. } = seen {
                 let sampled_us = simulator.time_us().saturating_sub(late * u64::from(step_us));
                 let sample = paper::opening(sampled_us as f64 * 1e-6) as f32;
+                process.ingest(&[Some(sample)], Mode::Run.conduct());
                 let valve = simulator.live_input(VALVE).expect("the valve's opening");
-                let change = continuation.change(sample, hold);
-                simulator.set_live(&valve, sample, change).expect("within its range");
+                for (_, applied) in process.applied() {
+                    let set = simulator.set_live(&valve, applied.value, applied.slope_per_s);
+                    set.expect("within its range");
+                }
             }
             assert_eq!(simulator.step(), Health::Trusted);
             flows.push(f64::from(simulator.line_flow_kg_s(0)));
@@ -56,7 +87,8 @@ fn run(step_us: u32, seen: Seen) -> Vec<f64> {
 /// Largest and root mean square difference over 10–12 s [g/s].
 fn errors(flows: &[f64], exact: &[f64], step_us: u32) -> (f64, f64) {
     let first = (10_000_000 / step_us) as usize - 1;
-    let apart: Vec<f64> = flows[first..].iter().zip(exact).map(|(w, exact)| 1e3 * (w - exact).abs()).collect();
+    let apart: Vec<f64> =
+        flows[first..].iter().zip(exact).map(|(w, exact)| 1e3 * (w - exact).abs()).collect();
     let squares: f64 = apart.iter().map(|d| d * d).sum();
     (apart.iter().fold(0.0, |worst, d| d.max(worst)), (squares / apart.len() as f64).sqrt())
 }
@@ -72,7 +104,7 @@ fn exact(step_us: u32) -> Vec<f64> {
 #[test]
 fn the_table_of_holds() {
     let zero = |late| Seen::Sampled { hold: Hold::Zero, late };
-    let linear = Seen::Sampled { hold: Hold::Linear { event_above: 0.1 }, late: 0 };
+    let linear = Seen::Sampled { hold: Hold::Linear, late: 0 };
     let columns = [Seen::Scheduled, zero(0), zero(1), linear];
     // Stated by an independent prototype in f64, to the digits given here.
     let stated = [(1_000, [0.022, 0.78, 1.69, 0.24]), (10_000, [0.76, 8.1, 16.9, 0.75])];

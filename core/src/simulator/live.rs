@@ -86,44 +86,6 @@ impl LiveInput {
     }
 }
 
-/// How a live input goes on between two samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Hold {
-    /// The sample holds for the whole step.
-    Zero,
-    /// The last change goes on through the step.
-    Linear {
-        /// A change from sample to sample beyond this, in the input's unit, is a discrete event: nothing is
-        /// continued across it.
-        event_above: f32,
-    },
-}
-
-/// Remembers the last sample of one live input and says how it goes on.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Continuation {
-    last: Option<f32>,
-}
-
-impl Continuation {
-    /// Takes the sample of this tick and returns by how much it is expected to change until the next; 0 for the
-    /// first sample, after [`Self::interrupt`] and after a discrete event.
-    pub fn change(&mut self, sample: f32, hold: Hold) -> f32 {
-        let last = self.last.replace(sample);
-        let (Hold::Linear { event_above }, Some(last)) = (hold, last) else { return 0.0 };
-        let change = sample - last;
-        // Written so that a NaN is an event.
-        if change.abs() <= event_above { change } else { 0.0 }
-    }
-
-    /// Forgets the last sample: the next one starts anew, as after a lost frame or a change of mode.
-    pub fn interrupt(&mut self) {
-        self.last = None;
-    }
-}
-
 impl<E: Element> Simulator<'_, E> {
     /// Looks up an input slot that is to be set from outside.
     pub fn live_input(&self, slot: usize) -> Result<LiveInput, InputError> {
@@ -152,14 +114,15 @@ impl<E: Element> Simulator<'_, E> {
         self.set_live(&input, value, 0.0)
     }
 
-    /// Sets a live input for the coming step: `value` when it begins, and `value + change` when it ends, kept
-    /// within the input's range; in between along a straight line. To be called every tick when `change` is not 0,
-    /// because the next step would go through the same values again.
-    pub fn set_live(&mut self, input: &LiveInput, value: f32, change: f32) -> Result<(), InputError> {
+    /// Sets a live input for the coming step, as [`crate::process::Applied`] says it: `value` when it begins, from
+    /// there along a straight line of `slope_per_s` \[unit/s\], kept within the input's range. To be called every
+    /// tick where the slope is not 0, because the next step would go through the same values again.
+    pub fn set_live(&mut self, input: &LiveInput, value: f32, slope_per_s: f32) -> Result<(), InputError> {
         input.check(value)?;
-        let change = if change.is_finite() { change } else { 0.0 };
+        let slope_per_s = if slope_per_s.is_finite() { slope_per_s } else { 0.0 };
         let implicit = matches!(self.settings.method, Method::ImplicitEuler | Method::TrBdf2);
         let parts = if implicit { [0.0, implicit::INNER_STAGE, 1.0] } else { [0.0; 3] };
+        let change = slope_per_s * (self.settings.step_us as f32 * 1e-6);
         let stages = self.inputs.iter_mut().skip(input.slot).step_by(self.network.inputs.len());
         for (stage, part) in stages.zip(parts) {
             *stage = input.limit(value + part * change);
@@ -219,16 +182,16 @@ mod tests {
 
     /// The line reaches every stage of an implicit method and never leaves the input's range.
     #[test]
-    fn a_change_goes_on_through_the_step_within_the_range() {
+    fn a_slope_goes_on_through_the_step_within_the_range() {
         with_loop(Method::TrBdf2, |simulator| {
             let valve = simulator.live_input(VALVE).unwrap();
-            simulator.set_live(&valve, 0.5, -0.2).unwrap();
+            simulator.set_live(&valve, 0.5, -200.0).unwrap();
             let stages: std::vec::Vec<f32> =
                 simulator.inputs.iter().copied().skip(VALVE).step_by(2).collect();
             for (stage, exact) in stages.iter().zip([0.5, 0.5 - 0.2 * 0.585_786_4, 0.3]) {
                 assert!((stage - exact).abs() < 1e-6, "{stages:?}");
             }
-            simulator.set_live(&valve, 0.1, -0.2).unwrap();
+            simulator.set_live(&valve, 0.1, -200.0).unwrap();
             assert!(simulator.inputs()[VALVE].abs() < 1e-9, "the range ends at 0");
         });
     }
@@ -237,22 +200,8 @@ mod tests {
     fn an_explicit_step_sees_the_sample_alone() {
         with_loop(Method::Adaptive, |simulator| {
             let valve = simulator.live_input(VALVE).unwrap();
-            simulator.set_live(&valve, 0.5, -0.2).unwrap();
+            simulator.set_live(&valve, 0.5, -200.0).unwrap();
             assert!((simulator.inputs()[VALVE] - 0.5).abs() < 1e-9);
         });
-    }
-
-    #[test]
-    fn nothing_is_continued_across_an_event() {
-        let linear = Hold::Linear { event_above: 0.1 };
-        let mut valve = Continuation::default();
-        assert!(valve.change(0.5, linear).abs() < 1e-9, "the first sample");
-        assert!((valve.change(0.55, linear) - 0.05).abs() < 1e-6);
-        assert!(valve.change(0.9, linear).abs() < 1e-9, "a jump");
-        assert!((valve.change(0.85, linear) + 0.05).abs() < 1e-6);
-        valve.interrupt();
-        assert!(valve.change(0.8, linear).abs() < 1e-9, "a gap");
-        assert!(valve.change(0.75, Hold::Zero).abs() < 1e-9);
-        assert!((valve.change(0.7, linear) + 0.05).abs() < 1e-6);
     }
 }
