@@ -6,6 +6,8 @@ mod buffers;
 mod command;
 mod duration;
 mod failure;
+#[cfg(feature = "hil")]
+pub mod hil;
 pub mod linear;
 mod output;
 pub mod paper;

@@ -27,11 +27,20 @@ impl Segments {
     /// Reads them all.
     pub fn of<E: Element>(simulator: &Simulator<'_, E>) -> Self {
         let network = simulator.network();
-        let mut all = vec![(f32::NAN, f32::NAN); network.segments.len()];
-        for line in 0..network.lines.len() {
-            simulator.read_line(line, |segment, flow, outlet| all[segment] = (flow, outlet));
+        let mut all = Self(vec![(f32::NAN, f32::NAN); network.segments.len()]);
+        all.read(simulator);
+        all
+    }
+
+    /// Reads them all again, without allocating; of the same network as before.
+    pub fn read<E: Element>(&mut self, simulator: &Simulator<'_, E>) {
+        for line in 0..simulator.network().lines.len() {
+            simulator.read_line(line, |segment, flow, outlet| {
+                if let Some(place) = self.0.get_mut(segment) {
+                    *place = (flow, outlet);
+                }
+            });
         }
-        Self(all)
     }
 }
 

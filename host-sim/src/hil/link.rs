@@ -1,0 +1,322 @@
+//! The wire between loop and hardware: bytes over a serial port, a Unix socket or UDP, without ever waiting.
+//!
+//! The loop reads and writes through [`Link`], whose calls return at once whatever the other side does. Opening and
+//! closing can take long, so a thread of its own does it: a link that is lost comes back by itself, and what the plant
+//! does meanwhile is for the modes to say.
+
+mod address;
+mod wire;
+
+pub use address::{Address, AddressError};
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::Failure;
+use wire::{Opener, Wire};
+
+/// How often a lost link is tried again.
+const RETRY: Duration = Duration::from_millis(50);
+/// Longest frame that is kept when only a part of it went out [bytes].
+const PENDING: usize = 2_048;
+
+/// What a link did with bytes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct LinkCounts {
+    /// Bytes that came in.
+    pub bytes_in: u64,
+    /// Bytes that went out.
+    pub bytes_out: u64,
+    /// Frames that were not sent: no other side, or it does not keep up.
+    pub unsent_frames: u64,
+    /// How often the other side went away.
+    pub lost: u64,
+    /// How often there was another side again, the first time included.
+    pub opened: u64,
+}
+
+/// The loop's end of the wire.
+#[derive(Debug)]
+pub struct Link {
+    wire: Option<Wire>,
+    fresh: Consumer<Wire>,
+    worn: Producer<Wire>,
+    wanted: Arc<AtomicBool>,
+    pending: [u8; PENDING],
+    pending_from: usize,
+    pending_to: usize,
+    counts: LinkCounts,
+}
+
+/// Keeps a thread that opens and closes the wire; dropping it ends the thread.
+#[derive(Debug)]
+pub struct Keeper {
+    ends: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Opens a link, of which the other side need not be there yet.
+pub fn open(address: &Address) -> Result<(Link, Keeper), Failure> {
+    let mut opener = Opener::new(address)?;
+    let (mut fresh_in, fresh) = RingBuffer::new(1);
+    let (worn, mut worn_out) = RingBuffer::<Wire>::new(4);
+    let (wanted, ends) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicBool::new(false)));
+    let (wanted_here, ends_here) = (Arc::clone(&wanted), Arc::clone(&ends));
+    let keep = move || {
+        while !ends_here.load(Ordering::Acquire) {
+            while let Ok(wire) = worn_out.pop() {
+                drop(wire);
+            }
+            if wanted_here.load(Ordering::Acquire)
+                && let Some(wire) = opener.try_open()
+            {
+                wanted_here.store(false, Ordering::Release);
+                // There is room: the loop took the last one before it wanted another.
+                let _ = fresh_in.push(wire);
+            }
+            std::thread::sleep(RETRY);
+        }
+    };
+    let thread = std::thread::Builder::new()
+        .name("link".into())
+        .spawn(keep)
+        .map_err(|error| Failure::Failed(format!("cannot start a thread: {error}")))?;
+    let link = Link {
+        wire: None,
+        fresh,
+        worn,
+        wanted,
+        pending: [0; PENDING],
+        pending_from: 0,
+        pending_to: 0,
+        counts: LinkCounts::default(),
+    };
+    Ok((link, Keeper { ends, thread: Some(thread) }))
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // Its panic, if it had one, has been printed.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Link {
+    /// Reads what is there: one datagram, or a part of the stream. 0 when there is nothing more for now.
+    pub fn read(&mut self, buffer: &mut [u8]) -> usize {
+        self.renew();
+        let Some(wire) = &mut self.wire else { return 0 };
+        match wire.read(buffer) {
+            Ok(length) => {
+                self.counts.bytes_in += length as u64;
+                length
+            }
+            Err(wire::Gone) => {
+                self.lose();
+                0
+            }
+        }
+    }
+
+    /// Sends one frame, or drops it whole where the other side does not take it. Returns whether it was taken.
+    pub fn write(&mut self, frame: &[u8]) -> bool {
+        self.renew();
+        let taken = self.send_pending() && self.send(frame);
+        if !taken {
+            self.counts.unsent_frames += 1;
+        }
+        taken
+    }
+
+    /// Whether there is another side, as far as is known.
+    pub fn is_open(&self) -> bool {
+        self.wire.is_some()
+    }
+
+    /// What was counted.
+    pub fn counts(&self) -> LinkCounts {
+        self.counts
+    }
+
+    fn renew(&mut self) {
+        if self.wire.is_none()
+            && let Ok(wire) = self.fresh.pop()
+        {
+            self.wire = Some(wire);
+            self.counts.opened += 1;
+            (self.pending_from, self.pending_to) = (0, 0);
+        }
+    }
+
+    fn lose(&mut self) {
+        if let Some(wire) = self.wire.take() {
+            self.counts.lost += 1;
+            // Closing a serial port waits for what it still has to send, so the keeper does it.
+            if let Err(rtrb::PushError::Full(wire)) = self.worn.push(wire) {
+                drop(wire);
+            }
+            self.wanted.store(true, Ordering::Release);
+        }
+    }
+
+    /// Sends the rest of a frame of which a part went out before. Returns whether nothing is left.
+    fn send_pending(&mut self) -> bool {
+        let rest = self.pending.get(self.pending_from..self.pending_to).unwrap_or(&[]);
+        if rest.is_empty() {
+            return true;
+        }
+        let Some(wire) = &mut self.wire else { return false };
+        let Ok(sent) = wire.write(rest) else {
+            self.lose();
+            return false;
+        };
+        self.counts.bytes_out += sent as u64;
+        self.pending_from += sent;
+        self.pending_from >= self.pending_to
+    }
+
+    fn send(&mut self, frame: &[u8]) -> bool {
+        let Some(wire) = &mut self.wire else { return false };
+        let Ok(sent) = wire.write(frame) else {
+            self.lose();
+            return false;
+        };
+        self.counts.bytes_out += sent as u64;
+        let rest = frame.get(sent..).unwrap_or(&[]);
+        if sent == 0 && !rest.is_empty() {
+            return false;
+        }
+        // A stream that took a part must get the rest, or the frame after it is spoilt too.
+        match self.pending.get_mut(..rest.len()) {
+            Some(place) => {
+                place.copy_from_slice(rest);
+                (self.pending_from, self.pending_to) = (0, rest.len());
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read as _, Write as _};
+    use std::net::UdpSocket;
+    use std::os::unix::net::{UnixListener, UnixStream};
+    use std::path::PathBuf;
+    use std::time::Instant;
+
+    fn until(mut done: impl FnMut() -> bool) {
+        let begun = Instant::now();
+        while !done() {
+            assert!(begun.elapsed() < Duration::from_secs(10), "it never happens");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn socket(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("eclss-{}-{name}.sock", std::process::id()))
+    }
+
+    #[test]
+    fn a_lost_socket_comes_back_by_itself() {
+        let path = socket("lost");
+        let _ = std::fs::remove_file(&path);
+        let address = Address::Unix { path: path.clone(), listens: false };
+        let (mut link, _keeper) = open(&address).unwrap();
+        let mut buffer = [0; 64];
+        assert_eq!((link.read(&mut buffer), link.write(b"nobody")), (0, false));
+        let listener = UnixListener::bind(&path).unwrap();
+        for round in 1..=3 {
+            let (mut other, _) = listener.accept().unwrap();
+            other.write_all(b"hello").unwrap();
+            let mut length = 0;
+            until(|| {
+                length = link.read(&mut buffer);
+                length > 0
+            });
+            assert_eq!(&buffer[..length], b"hello");
+            assert!(link.write(b"yes"));
+            other.read_exact(&mut buffer[..3]).unwrap();
+            assert_eq!(&buffer[..3], b"yes");
+            drop(other);
+            until(|| link.read(&mut buffer) == 0 && !link.is_open());
+            assert_eq!((link.counts().opened, link.counts().lost), (round, round));
+        }
+        assert_eq!(link.counts().unsent_frames, 1);
+        let _ = std::fs::remove_file(path);
+    }
+
+    #[test]
+    fn others_can_connect_to_us() {
+        let path = socket("listens");
+        let address = Address::Unix { path: path.clone(), listens: true };
+        let (mut link, _keeper) = open(&address).unwrap();
+        let mut other = UnixStream::connect(&path).unwrap();
+        other.write_all(b"hello").unwrap();
+        let mut buffer = [0; 64];
+        until(|| link.read(&mut buffer) == 5);
+    }
+
+    /// A side that does not read cannot make a call wait, and what it does get stays in whole frames.
+    #[test]
+    fn a_side_that_does_not_keep_up_loses_whole_frames() {
+        let path = socket("slow");
+        let address = Address::Unix { path: path.clone(), listens: true };
+        let (mut link, _keeper) = open(&address).unwrap();
+        let mut other = UnixStream::connect(&path).unwrap();
+        until(|| link.write(&[0]));
+        let mut sent = 0usize;
+        for _ in 0..10_000 {
+            let begun = Instant::now();
+            sent += usize::from(link.write(&[[1; 99].as_slice(), &[0]].concat()));
+            assert!(begun.elapsed() < Duration::from_secs(1));
+        }
+        assert!(sent < 10_000 && link.counts().unsent_frames > 0);
+        other.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
+        let mut all = Vec::new();
+        // Ends with the time-out, after everything that is there.
+        let _ = other.read_to_end(&mut all);
+        until(|| link.send_pending());
+        let _ = other.read_to_end(&mut all);
+        let frames: Vec<usize> = all[1..].split_inclusive(|byte| *byte == 0).map(<[u8]>::len).collect();
+        assert_eq!(frames.len(), sent);
+        assert!(frames.iter().all(|length| *length == 100));
+    }
+
+    #[test]
+    fn over_udp_only_the_listed_peer_is_heard() {
+        let ours = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let (peer, foreign) =
+            (UdpSocket::bind("127.0.0.1:0").unwrap(), UdpSocket::bind("127.0.0.1:0").unwrap());
+        let address = Address::Udp { local: ours, peer: peer.local_addr().unwrap() };
+        let (mut link, _keeper) = open(&address).unwrap();
+        until(|| {
+            link.renew();
+            link.is_open()
+        });
+        let mut buffer = [0; 64];
+        for _ in 0..1_000 {
+            foreign.send_to(b"foreign", ours).unwrap();
+        }
+        peer.send_to(b"peer", ours).unwrap();
+        let mut heard = Vec::new();
+        until(|| {
+            let length = link.read(&mut buffer);
+            heard.push(buffer[..length].to_vec());
+            length > 0
+        });
+        assert_eq!(heard.last().map(Vec::as_slice), Some(b"peer".as_slice()));
+        assert!(heard.iter().all(|bytes| bytes.is_empty() || bytes == b"peer"));
+        assert!(link.write(b"answer"));
+        assert_eq!(peer.recv(&mut buffer).unwrap(), 6);
+    }
+}
