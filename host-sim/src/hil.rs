@@ -4,4 +4,5 @@
 pub mod handover;
 pub mod link;
 pub mod realtime;
+pub mod recorder;
 pub mod timing;
