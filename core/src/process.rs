@@ -72,25 +72,58 @@ pub enum ProcessError {
     SlotRange(u16),
     /// An output channel names a point that does not exist.
     Point(u16),
+    /// SAFE after no tick at all.
+    SafeAfter,
     /// There are fewer states than channels.
     States,
 }
 
+/// When in a tick outputs are given out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Order {
+    /// At its begin, together with reading the inputs: always one tick late, and never more or less.
+    #[default]
+    Latched,
+    /// As soon as the step is done: earlier, at a time that varies with the step's.
+    Immediate,
+}
+
 /// The description of a process image, borrowed.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Image<'a> {
     /// From hardware to the plant.
     pub inputs: &'a [InputChannel<'a>],
     /// From the plant to hardware.
     pub outputs: &'a [OutputChannel<'a>],
+    /// When outputs are given out.
+    pub order: Order,
+    /// Ticks without data from a link that brings inputs after which the plant goes to SAFE; at least 1.
+    pub safe_after_ticks: u32,
+}
+
+impl Default for Image<'_> {
+    fn default() -> Self {
+        Self::EMPTY
+    }
 }
 
 impl Image<'_> {
+    /// No channel at all.
+    pub const EMPTY: Self = Image { inputs: &[], outputs: &[], order: Order::Latched, safe_after_ticks: 20 };
+
+    /// Whether hardware is bound to the plant.
+    pub fn is_bound(&self) -> bool {
+        !self.inputs.is_empty() || !self.outputs.is_empty()
+    }
+
     /// Finds the first thing wrong with the description, by itself and for `network`. The range of a slot is its
     /// element's to know: [`crate::Element::input_spec`].
     pub fn check<E: crate::Element>(&self, network: &Network<'_, E>) -> Result<(), ProcessError> {
         if self.inputs.len() > CHANNELS || self.outputs.len() > CHANNELS {
             return Err(ProcessError::TooMany);
+        }
+        if self.safe_after_ticks == 0 {
+            return Err(ProcessError::SafeAfter);
         }
         for (index, channel) in (0u16..).zip(self.inputs) {
             channel.check().map_err(|error| ProcessError::Input(index, error))?;
@@ -119,6 +152,8 @@ impl Image<'_> {
     /// A hash over every channel, the same on every machine: both ends of a link must agree on it.
     pub fn id(&self) -> u64 {
         let mut hash = Fingerprint::default();
+        hash.word(self.order as u32);
+        hash.word(self.safe_after_ticks);
         hash.word(self.inputs.len() as u32);
         for channel in self.inputs {
             channel.feed(&mut hash);

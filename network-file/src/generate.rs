@@ -138,7 +138,13 @@ pub fn generate(shape: Shape, nodes: usize, seed: u64) -> Result<NetworkFile, Si
         name: format!("{}_{nodes}", shape.name()),
         title: Some(format!("Generated {} of {nodes} nodes, seed {seed}", shape.name())),
         reference_pressure_pa: MODULE_PA,
-        run: Run { method: "tr-bdf2".into(), step: "1ms".into(), until: "30s".into(), record: None },
+        run: Run {
+            method: "tr-bdf2".into(),
+            step: "1ms".into(),
+            until: "30s".into(),
+            start: None,
+            record: None,
+        },
         nodes: (0..nodes).map(|node| module(node, nodes, &mut figures)).collect(),
         lines,
         schedules: vec![ScheduleEntry {
@@ -146,6 +152,8 @@ pub fn generate(shape: Shape, nodes: usize, seed: u64) -> Result<NetworkFile, Si
             interpolation: None,
             points: vec![(0.0, 1.0), (10.0, 1.0), (11.0, 0.02)],
         }],
+        process: None,
+        channels: Vec::new(),
     })
 }
 

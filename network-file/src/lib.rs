@@ -37,6 +37,7 @@
 //! # Ok::<(), eclss_network_file::FileError>(())
 //! ```
 
+mod channel;
 pub mod document;
 mod duration;
 mod element;
@@ -50,6 +51,7 @@ mod lower;
 mod notes;
 mod number;
 mod plan;
+mod process;
 mod read;
 mod reason;
 mod record;
@@ -66,6 +68,7 @@ pub use duration::{DurationError, duration_us};
 pub use error::{FileError, Problem};
 pub use loaded::{Loaded, Names, RunDefaults};
 pub use plan::PlanTables;
+pub use process::{InputEntry, OutputEntry, ProcessTables, Scales};
 pub use record::{Quantity, Record};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.

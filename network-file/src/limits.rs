@@ -18,6 +18,18 @@ pub const ELEMENTS: usize = 65_536;
 pub const SCHEDULES: usize = 4_096;
 /// Most points of all schedules in a file.
 pub const SCHEDULE_POINTS: usize = 65_536;
+/// Most channels in each direction.
+pub const CHANNELS: usize = eclss_core::process::CHANNELS;
+/// Most points of a channel's table.
+pub const TABLE_POINTS: usize = 256;
+/// Longest number of a calibration [bytes].
+pub const CALIBRATION_BYTES: usize = 64;
+/// Ticks without a sample after which an input is lost when its file does not say.
+pub const STALE_TICKS: f64 = 10.0;
+/// Ticks of silence after which the plant goes to SAFE when its file does not say.
+pub const SAFE_AFTER_TICKS: f64 = 20.0;
+/// Ticks for which a linear hold goes on when its file does not say.
+pub const EXTRAPOLATE_TICKS: f64 = 1.0;
 /// Longest id [bytes].
 pub const ID_BYTES: usize = 48;
 
@@ -113,3 +125,13 @@ pub const SPEED: Range = range(0.0, 2.0, "1");
 pub const TIME: Range = range(0.0, 1e9, "s");
 /// Values of a schedule, before the input's own range is known.
 pub const ANY: Range = range(f64::MIN, f64::MAX, "1");
+/// Time constants of filters.
+pub const FILTER: Range = range(0.0, 1e3, "s");
+/// Numbers of ticks.
+pub const TICKS: Range = range(1.0, 6e4, "1");
+/// Numbers of ticks that may be none.
+pub const SOME_TICKS: Range = range(0.0, 6e4, "1");
+/// Numbers of a board's converters.
+pub const CONVERTER: Range = range(0.0, 63.0, "1");
+/// Rates and steps of a channel, in its unit.
+pub const RATE: Range = range(1e-9, 1e12, "1");

@@ -4,6 +4,7 @@ use eclss_core::{Active, Line, Method, Network, Node, Schedule, SchedulePoint, S
 
 use crate::document::NetworkFile;
 use crate::plan::PlanTables;
+use crate::process::ProcessTables;
 use crate::record::Record;
 
 /// A network that was read, checked and converted; owns what [`Network`] borrows.
@@ -35,6 +36,8 @@ pub struct Loaded {
     pub points: Vec<SchedulePoint>,
     /// Connection tables.
     pub plan: PlanTables,
+    /// Signals between plant and hardware.
+    pub process: ProcessTables,
 }
 
 /// Ids from the file at the indices that the core uses.

@@ -15,8 +15,10 @@ use crate::loaded::{Loaded, Names, RunDefaults};
 use crate::notes::Notes;
 use crate::number::single;
 use crate::plan::PlanTables;
+use crate::process;
 use crate::reason;
 use crate::record::{self, Record};
+use crate::steady;
 
 /// Converts a document; `None` with findings in the notes.
 pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
@@ -39,11 +41,13 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         segments: tables.names,
         inputs: tables.slots.into_iter().map(|slot| slot.name).collect(),
     };
-    let records = records(&file, record::all(&names, &tables.lines), notes);
+    let all = record::all(&names, &tables.lines);
+    let process = process::lower(&file, &all, &process::specs(&tables.segments), notes);
+    let records = records(&file, all, notes);
     if !notes.findings.is_empty() {
         return None;
     }
-    let loaded = Loaded {
+    let mut loaded = Loaded {
         names,
         run,
         records,
@@ -56,9 +60,16 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         inputs: driven.inputs,
         schedules: driven.schedules,
         points: driven.points,
+        process,
         file,
     };
     core_checks(&loaded, notes);
+    if notes.findings.is_empty() {
+        process::check(&loaded, notes);
+    }
+    if notes.findings.is_empty() && loaded.file.run.start.as_deref() == Some("steady") {
+        rest(&mut loaded, notes);
+    }
     notes.findings.is_empty().then_some(loaded)
 }
 
@@ -273,6 +284,21 @@ fn records(file: &NetworkFile, all: Vec<Record>, notes: &mut Notes) -> Vec<Recor
         }
     }
     list
+}
+
+/// Starts the network in its steady state with the inputs of the start, so that nothing moves at first.
+fn rest(loaded: &mut Loaded, notes: &mut Notes) {
+    match steady::steady(&loaded.network(), &loaded.inputs) {
+        Ok(rest) => {
+            for (node, gauge_pa) in loaded.nodes.iter_mut().zip(&rest.gauge_pa) {
+                node.start_gauge_pa = *gauge_pa as f32;
+            }
+            for (line, flow_kg_s) in loaded.lines.iter_mut().zip(&rest.flow_kg_s) {
+                line.start_flow_kg_s = *flow_kg_s as f32;
+            }
+        }
+        Err(error) => notes.refuse_at("run", &["start"], error.text(&loaded.names)),
+    }
 }
 
 /// The core has the last word: on the tables, and on method and step.

@@ -4,6 +4,7 @@ use std::ops::Range as Span;
 
 use toml::de::{DeTable, DeValue};
 
+use crate::channel;
 use crate::document::{
     Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run,
     SCHEMA, ScheduleEntry,
@@ -52,12 +53,27 @@ fn read_file(root: &mut Table<'_, '_>) -> Option<NetworkFile> {
     let nodes = root.tables("node", 1..=limits::NODES, read_node);
     let lines = root.tables("line", 1..=limits::LINES, |line| Some(read_line(line)));
     let schedules = root.tables("schedule", 0..=limits::SCHEDULES, |table| Some(read_schedule(table)));
-    Some(NetworkFile { schema: SCHEMA, name, title, reference_pressure_pa, run, nodes, lines, schedules })
+    let process = root.table("process", channel::read_process);
+    let channels = root.tables("channel", 0..=2 * limits::CHANNELS, channel::read_channel);
+    let schema = SCHEMA;
+    Some(NetworkFile {
+        schema,
+        name,
+        title,
+        reference_pressure_pa,
+        run,
+        nodes,
+        lines,
+        schedules,
+        process,
+        channels,
+    })
 }
 
 fn default_run() -> Run {
     let text = |text: &str| text.to_owned();
-    Run { method: text(limits::METHOD), step: text(limits::STEP), until: text(limits::UNTIL), record: None }
+    let (method, step, until) = (text(limits::METHOD), text(limits::STEP), text(limits::UNTIL));
+    Run { method, step, until, start: None, record: None }
 }
 
 fn read_run(run: &mut Table<'_, '_>) -> Run {
@@ -66,6 +82,7 @@ fn read_run(run: &mut Table<'_, '_>) -> Run {
         method: run.text("method").unwrap_or(default.method),
         step: run.text("step").unwrap_or(default.step),
         until: run.text("until").unwrap_or(default.until),
+        start: run.word("start", &["file", "steady"]),
         record: read_record(run),
     }
 }

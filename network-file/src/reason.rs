@@ -29,6 +29,16 @@ pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
         "separator_efficiency" => &["separator_efficiency"],
         "mass_fraction" => &["mass_fraction"],
         "capture_efficiency" => &["capture_efficiency"],
+        "electrical" => &["electrical"],
+        "engineering" => &["scale"],
+        "wire" => &["wire"],
+        "min" => &["min"],
+        "max" => &["max", "min"],
+        "max_rate_per_s" => &["max_rate_per_s"],
+        "event_step" => &["event_step"],
+        "filter_s" => &["filter_s"],
+        "safe_value" => &["safe_value"],
+        "safe_rate_per_s" => &["safe_rate_per_s"],
         _ => &[],
     }
 }

@@ -3,6 +3,8 @@
 //! The shortest decimal form of an `f32` reads back as the same bits, so the tables are the loaded ones to the
 //! bit, and so is the network id.
 
+mod process;
+
 use std::fmt::{Debug, Write as _};
 
 use eclss_core::Method;
@@ -14,7 +16,7 @@ impl Loaded {
     ///
     /// It offers `NETWORK`, `NETWORK_ID`, `NAME`, `METHOD`, `STEP_US`, `UNTIL_US`, `Configured` (the
     /// description and the file's settings as an [`eclss_core::Compiled`]), the tables (`NODES`, `LINES` and so
-    /// on), `NODE_NAMES`, `LINE_NAMES`, `SEGMENT_NAMES`, `INPUT_NAMES`, and for every method the lengths of its
+    /// on), the process image (`PROCESS`, `PROCESS_ID` and its channels with their names), `NODE_NAMES`, `LINE_NAMES`, `SEGMENT_NAMES`, `INPUT_NAMES`, and for every method the lengths of its
     /// buffers as a constant (`RELAXATION` and so on, `BUFFERS` for the file's own) of type
     /// [`eclss_core::Sizes`]:
     ///
@@ -33,6 +35,9 @@ impl Loaded {
         text.push_str(
             "#[allow(unused_imports)] // a network need not have every kind of element\n\
              use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};\n\
+             #[allow(unused_imports)] // nor channels\n\
+             use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
+             Point, Port, Scaling,\n};\n\
              #[allow(unused_imports)] // nor schedules\n\
              use ::eclss_core::{\n    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
              SchedulePoint, Segment, Settings,\n    Sizes, StdElement,\n};\n",
@@ -41,6 +46,7 @@ impl Loaded {
         self.write_tables(&mut text);
         self.write_plan(&mut text);
         self.write_network(&mut text);
+        process::write(self, &mut text);
         text
     }
 

@@ -106,6 +106,11 @@ impl<'n, 't> Table<'n, 't> {
 
     /// The kind of the table, one of a set of words that must be there.
     pub(crate) fn need_kind(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
+        self.need_word(key, words)
+    }
+
+    /// One of a set of words that must be there and decides which keys the table has.
+    pub(crate) fn need_word(&mut self, key: &'static str, words: &[&str]) -> Option<String> {
         if !self.has(key) {
             self.known.push(key);
             self.missing(key);

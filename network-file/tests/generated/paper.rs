@@ -2,6 +2,10 @@
 
 #[allow(unused_imports)] // a network need not have every kind of element
 use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+#[allow(unused_imports)] // nor channels
+use ::eclss_core::process::{
+    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
+};
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
     Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
@@ -33,10 +37,10 @@ pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1
 pub const ADAPTIVE: Sizes = Sizes { state: 10, work: 21, inputs: 6, cursors: 1 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 113, inputs: 6, cursors: 1 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 131, inputs: 6, cursors: 1 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 36, work: 113, inputs: 6, cursors: 1 };
+pub const TR_BDF2: Sizes = Sizes { state: 36, work: 131, inputs: 6, cursors: 1 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
@@ -158,3 +162,26 @@ impl ::eclss_core::Compiled for Configured {
 
 /// The description.
 pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;
+
+/// Channels from hardware to the plant.
+pub static INPUT_CHANNELS: [InputChannel; 0] = [];
+
+/// Channels from the plant to hardware.
+pub static OUTPUT_CHANNELS: [OutputChannel; 0] = [];
+
+/// Names of the input channels.
+pub static INPUT_CHANNEL_NAMES: [&str; 0] = [];
+
+/// Names of the output channels.
+pub static OUTPUT_CHANNEL_NAMES: [&str; 0] = [];
+
+/// Id of the process image.
+pub const PROCESS_ID: u64 = 0x5ed9d73248e2f691;
+
+/// The process image.
+pub static PROCESS: Image<'static> = Image {
+    inputs: &INPUT_CHANNELS,
+    outputs: &OUTPUT_CHANNELS,
+    order: Order::Latched,
+    safe_after_ticks: 20,
+};

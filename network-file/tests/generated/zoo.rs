@@ -2,6 +2,10 @@
 
 #[allow(unused_imports)] // a network need not have every kind of element
 use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+#[allow(unused_imports)] // nor channels
+use ::eclss_core::process::{
+    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
+};
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
     Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
@@ -188,3 +192,40 @@ impl ::eclss_core::Compiled for Configured {
 
 /// The description.
 pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;
+
+/// Channels from hardware to the plant.
+pub static INPUT_CHANNELS: [InputChannel; 2] = [
+    InputChannel { slot: 2, port: Port::Analog(1), scaling: Scaling { electrical: Curve { points: &[[0.0, 0.0], [65535.0, 20.625]] }, engineering: Curve { points: &[[4.0, 0.0], [12.0, 0.45], [20.0, 1.0]] }, wire: Some([3.6, 20.5]), calibration: Calibration { id: "K-17", date: 20260131 } }, min: 0.0, max: 1.0, saturates: true, max_rate_per_s: 20.0, filter_s: 0.01, hold: Hold::Linear, extrapolate_ticks: 3, event_step: 0.2, stale_ticks: 30, safe_value: 0.25, safe_rate_per_s: 0.5, essential: true },
+    InputChannel { slot: 3, port: Port::Link, scaling: Scaling::NONE, min: 0.0, max: 2.0, saturates: false, max_rate_per_s: f32::INFINITY, filter_s: 0.0, hold: Hold::Zero, extrapolate_ticks: 1, event_step: 0.2, stale_ticks: 10, safe_value: 0.5, safe_rate_per_s: 2.0, essential: false },
+];
+
+/// Channels from the plant to hardware.
+pub static OUTPUT_CHANNELS: [OutputChannel; 3] = [
+    OutputChannel { point: Point::NodeGauge(0), port: Port::Analog(0), scaling: Scaling { electrical: Curve { points: &[[0.0, 0.0], [4095.0, 3.3]] }, engineering: Curve { points: &[[0.0, -5000.0], [3.3, 5000.0]] }, wire: None, calibration: Calibration { id: "", date: 0 } }, min: -5000.0, max: 5000.0, max_rate_per_s: 1000000.0, safe_value: 0.0, safe_rate_per_s: 10000.0 },
+    OutputChannel { point: Point::SegmentFlow { line: 1, segment: 4 }, port: Port::Link, scaling: Scaling::NONE, min: -1.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 0.0, safe_rate_per_s: 2.0 },
+    OutputChannel { point: Point::Input(1), port: Port::Link, scaling: Scaling::NONE, min: 0.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 1.0, safe_rate_per_s: 1.0 },
+];
+
+/// Names of the input channels.
+pub static INPUT_CHANNEL_NAMES: [&str; 2] = [
+    "regulator.opening",
+    "booster.speed",
+];
+
+/// Names of the output channels.
+pub static OUTPUT_CHANNEL_NAMES: [&str; 3] = [
+    "lab.pressure",
+    "scrubber.mass_flow",
+    "hatch.opening",
+];
+
+/// Id of the process image.
+pub const PROCESS_ID: u64 = 0x71720336cf7d6e3d;
+
+/// The process image.
+pub static PROCESS: Image<'static> = Image {
+    inputs: &INPUT_CHANNELS,
+    outputs: &OUTPUT_CHANNELS,
+    order: Order::Immediate,
+    safe_after_ticks: 50,
+};
