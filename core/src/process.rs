@@ -222,13 +222,14 @@ impl<'a> Process<'a> {
         }
     }
 
-    /// Slot, value and slope of every input channel for the step that begins now.
+    /// Slot, value and slope of every input channel for the step that begins now; no slope leads out of its channel's
+    /// range within the step.
     pub fn applied(&self) -> impl Iterator<Item = (u32, Applied)> + '_ {
         self.image
             .inputs
             .iter()
             .zip(self.inputs.iter())
-            .map(|(channel, state)| (channel.slot, state.applied()))
+            .map(|(channel, state)| (channel.slot, state.applied().within(channel, self.step_s)))
     }
 
     /// Makes what goes out of the plant's points. `value` gives a point's value in its unit.

@@ -36,6 +36,18 @@ pub struct Applied {
     pub slope_per_s: f32,
 }
 
+impl Applied {
+    /// The same with a slope that ends within the channel's range: hardware has end stops.
+    pub(super) fn within(self, channel: &InputChannel<'_>, step_s: f32) -> Self {
+        let end = self.value + self.slope_per_s * step_s;
+        if (channel.min..=channel.max).contains(&end) {
+            return self;
+        }
+        let stop = if end < channel.min { channel.min } else { channel.max };
+        Self { slope_per_s: (stop - self.value) / step_s, ..self }
+    }
+}
+
 /// One input channel at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputState {

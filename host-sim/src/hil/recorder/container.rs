@@ -66,7 +66,8 @@ impl<W: Write + Seek> Container<W> {
         let inputs = Map::from_iter([("values".to_owned(), values)]);
         let events = Map::from_iter([("event".to_owned(), json!({ "type": "string" }))]);
         let mut topics = [0; 4];
-        for ((topic, id), properties) in TOPICS.iter().zip(&mut topics).zip([triple, inputs, single, events]) {
+        for ((topic, id), properties) in TOPICS.iter().zip(&mut topics).zip([triple, inputs, single, events])
+        {
             let schema = json!({ "type": "object", "properties": properties }).to_string();
             let schema = writer.add_schema(topic.trim_start_matches('/'), "jsonschema", schema.as_bytes())?;
             *id = writer.add_channel(schema, topic, "json", &BTreeMap::new())?;

@@ -38,9 +38,10 @@ impl Decimator {
     pub fn add(&mut self, row: &Row) -> Option<Bucket> {
         // By number and not by count, so that a dropped row does not shift the grid.
         let ends = (row.head.tick + 1) % self.every == 0;
-        let behind = self.bucket.as_ref().is_some_and(|bucket| {
-            bucket.last.head.tick / self.every != row.head.tick / self.every
-        });
+        let behind = self
+            .bucket
+            .as_ref()
+            .is_some_and(|bucket| bucket.last.head.tick / self.every != row.head.tick / self.every);
         // A bucket whose last tick was dropped ends late.
         let late = if behind { self.bucket.take() } else { None };
         let bucket = self.bucket.get_or_insert_with(|| Bucket {

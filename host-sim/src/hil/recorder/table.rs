@@ -44,13 +44,7 @@ pub(super) fn write_row(out: &mut dyn Write, row: &Row) -> io::Result<()> {
     writeln!(out)
 }
 
-fn write_head(
-    out: &mut dyn Write,
-    row: &Row,
-    late_ns: u32,
-    tick_ns: u32,
-    skipped: u64,
-) -> io::Result<()> {
+fn write_head(out: &mut dyn Write, row: &Row, late_ns: u32, tick_ns: u32, skipped: u64) -> io::Result<()> {
     let head = &row.head;
     let (s, us) = (head.begun_us / 1_000_000, head.begun_us % 1_000_000);
     let (late, tick) = (f64::from(late_ns) / 1e3, f64::from(tick_ns) / 1e3);

@@ -100,9 +100,11 @@ impl Capture {
     pub fn new(triggers: &[Trigger], names: &[String], before: usize, after: u64) -> Result<Self, String> {
         let watch = |trigger: &Trigger| {
             let figure = match trigger {
-                Trigger::Level { name, .. } => names.iter().position(|known| known == name).ok_or_else(|| {
-                    format!("nothing recorded is called `{name}`; there are {}", names.join(", "))
-                })?,
+                Trigger::Level { name, .. } => {
+                    names.iter().position(|known| known == name).ok_or_else(|| {
+                        format!("nothing recorded is called `{name}`; there are {}", names.join(", "))
+                    })?
+                }
                 Trigger::Overrun | Trigger::Safe => 0,
             };
             Ok::<_, String>(Watch { trigger: trigger.clone(), figure, was: true })
