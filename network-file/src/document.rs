@@ -68,6 +68,9 @@ pub struct NodeEntry {
     pub pressure_pa: f64,
     /// Gas temperature [K].
     pub temperature_k: f64,
+    /// Column and row in drawings, both from 0; chosen by the drawing when absent. Not part of the network's id.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<(u32, u32)>,
 }
 
 /// Kinds of node.

@@ -169,7 +169,7 @@ fn module(node: usize, nodes: usize, figures: &mut Figures) -> NodeEntry {
     } else {
         (NodeEntryKind::Cabin { volume_m3: figures.between(20.0, 200.0) }, MODULE_PA)
     };
-    NodeEntry { id: id_of(node), kind, pressure_pa, temperature_k: TEMPERATURE_K }
+    NodeEntry { id: id_of(node), kind, pressure_pa, temperature_k: TEMPERATURE_K, position: None }
 }
 
 /// Duct and valve.

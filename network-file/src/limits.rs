@@ -81,6 +81,8 @@ pub const TEMPERATURE: Range = range(50.0, 2e3, "K");
 pub const NODE_VOLUME: Range = range(1e-6, 1e6, "m³");
 /// Volumes inside a line.
 pub const OUTLET_VOLUME: Range = range(0.0, 1e3, "m³");
+/// Columns and rows of drawings.
+pub const POSITION: Range = range(0.0, 63.0, "1");
 /// Mass flows.
 pub const MASS_FLOW: Range = range(-1e3, 1e3, "kg/s");
 /// Mass flow of a measurement.

@@ -106,8 +106,12 @@ impl<'f> Ids<'f> {
 fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
     let reached: HashSet<&str> = file.lines.iter().flat_map(|line| [&*line.from, &*line.to]).collect();
     let mut nodes = Vec::with_capacity(file.nodes.len());
+    let mut places = HashMap::new();
     for (index, entry) in file.nodes.iter().enumerate() {
         let path = format!("node[{index}]");
+        if let Some(first) = entry.position.and_then(|place| places.insert(place, &entry.id)) {
+            notes.refuse_at(&path, &["position"], format!("node `{first}` stands there already"));
+        }
         // The difference is taken before rounding: in single precision 101 325 Pa is known to 8 mPa only.
         let gauge = single(entry.pressure_pa - file.reference_pressure_pa);
         if gauge.is_none() {

@@ -107,7 +107,22 @@ fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
     };
     let pressure_pa = node.need_number("pressure_pa", &limits::PRESSURE);
     let temperature_k = node.need_number("temperature_k", &limits::TEMPERATURE);
-    Some(NodeEntry { id, kind, pressure_pa, temperature_k })
+    Some(NodeEntry { id, kind, pressure_pa, temperature_k, position: read_position(node) })
+}
+
+/// Column and row of a node in drawings.
+fn read_position(node: &mut Table<'_, '_>) -> Option<(u32, u32)> {
+    let before = node.notes.findings.len();
+    let [column, row] = node.array("position")? else {
+        node.refuse("position", "`position` is a pair of column and row, as in [2, 0]");
+        return None;
+    };
+    let mut place = |value| number(node.notes, "position", value, &limits::POSITION).unwrap_or(0.0);
+    let (column, row) = (place(column), place(row));
+    if node.notes.findings.len() == before && (column.fract().abs() > 0.0 || row.fract().abs() > 0.0) {
+        node.refuse("position", "`position` counts whole columns and rows");
+    }
+    Some((column as u32, row as u32))
 }
 
 fn read_line(line: &mut Table<'_, '_>) -> LineEntry {

@@ -107,6 +107,20 @@ fn unknown_keys_and_kinds() {
 }
 
 #[test]
+fn positions_in_drawings() {
+    let place = |position: &str| format!("temperature_k = 295.15\nposition = {position}");
+    spoil("temperature_k = 295.15", &place("«[1]"), "`position` is a pair of column and row");
+    spoil("temperature_k = 295.15", &place("«7"), "`position` must be a list, not a number");
+    spoil("temperature_k = 295.15", &place("[0, «64]"), "`position` must lie in 0 … 63, not at 64");
+    spoil("temperature_k = 295.15", &place("[0, «nan]"), "`position` must be finite");
+    spoil("temperature_k = 295.15", &place("[0, «\"a\"]"), "`position` must be a number, not text");
+    spoil("temperature_k = 295.15", &place("«[0.5, 1]"), "`position` counts whole columns and rows");
+    let twice = RIGHT.replace("temperature_k = 295.15", "temperature_k = 295.15\nposition = [2, 1]");
+    let twice = twice.replace("temperature_k = 293.15", "temperature_k = 293.15\nposition = [2, 1]");
+    assert!(refused(&twice).problems()[0].to_string().contains("node `cabin` stands there already"));
+}
+
+#[test]
 fn missing_keys_and_tables() {
     spoil("schema = 1\nname = \"small\"\n", "«schema = 1\n", "`name` is missing");
     assert!(refused("").to_string().starts_with("small.toml:1:1: `schema` is missing"));

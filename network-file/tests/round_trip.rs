@@ -52,6 +52,10 @@ fn every_value_counts_for_the_id() {
         assert_eq!(ZOO.matches(old).count(), 1, "{old}");
         assert_ne!(id(&ZOO.replace(old, new)), original, "{old}");
     }
-    // Names and what a run records are not part of the physics.
+    // Names, places in drawings and what a run records are not part of the physics.
+    assert_eq!(
+        id(&ZOO.replace("temperature_k = 296.0", "temperature_k = 296.0\nposition = [3, 4]")),
+        original
+    );
     assert_eq!(id(&ZOO.replace("One of each", "Each of one")), original);
 }
