@@ -38,6 +38,8 @@ pub(crate) enum Command {
     Generate(GenerateArgs),
     /// Solve for the state of rest: flows and pressures with the inputs of the start.
     Steady(SteadyArgs),
+    /// Draw a network as a piping schematic.
+    Schematic(SchematicArgs),
 }
 
 /// Arguments of `paper`.
@@ -154,6 +156,16 @@ pub(crate) struct GenerateArgs {
     pub(crate) seed: u64,
     /// File to write; printed when absent.
     #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+/// Arguments of `schematic`.
+#[derive(Debug, Args)]
+pub(crate) struct SchematicArgs {
+    /// Network file; the paper's network when absent.
+    pub(crate) network: Option<PathBuf>,
+    /// File to write; printed when absent.
+    #[arg(short, long, value_name = "FILE.svg")]
     pub(crate) output: Option<PathBuf>,
 }
 

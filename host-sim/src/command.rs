@@ -5,6 +5,7 @@ mod check;
 mod generate;
 mod paper;
 mod run;
+mod schematic;
 mod stability;
 mod steady;
 
@@ -56,6 +57,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Bench(args)) => bench::run(args, out),
         Some(Command::Generate(args)) => generate::run(args, out),
         Some(Command::Steady(args)) => steady::run(args, out),
+        Some(Command::Schematic(args)) => schematic::run(args, out),
     }
 }
 

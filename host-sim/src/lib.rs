@@ -15,6 +15,8 @@ pub mod plot;
 mod progress;
 mod refusal;
 pub mod run;
+#[allow(clippy::cast_possible_wrap, reason = "counts and coordinates of drawings stay far below 2³¹")]
+pub mod schematic;
 mod source;
 pub mod stability;
 pub mod trace;
