@@ -40,6 +40,8 @@ pub(crate) enum Command {
     Steady(SteadyArgs),
     /// Draw a network as a piping schematic.
     Schematic(SchematicArgs),
+    /// Run a network at the clock's pace and show it in the browser.
+    Serve(ServeArgs),
 }
 
 /// Arguments of `paper`.
@@ -177,6 +179,27 @@ pub(crate) struct SteadyArgs {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Arguments of `serve`.
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Network file; the paper's network when absent.
+    pub(crate) network: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) stepping: Stepping,
+    /// Port; 0 takes any free one.
+    #[arg(long, default_value_t = 8970, value_name = "PORT")]
+    pub(crate) port: u16,
+    /// Address to listen at; only this machine can reach the default.
+    #[arg(long, default_value = "127.0.0.1", value_name = "ADDRESS")]
+    pub(crate) listen: std::net::IpAddr,
+    /// Let the page move inputs, break them, hold the plant and choose scenarios.
+    #[arg(long)]
+    pub(crate) control: bool,
+    /// Open the page in the browser.
+    #[arg(long)]
+    pub(crate) open: bool,
 }
 
 fn shape(name: &str) -> Result<Shape, String> {

@@ -6,6 +6,7 @@ mod generate;
 mod paper;
 mod run;
 mod schematic;
+mod serve;
 mod stability;
 mod steady;
 
@@ -58,6 +59,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Generate(args)) => generate::run(args, out),
         Some(Command::Steady(args)) => steady::run(args, out),
         Some(Command::Schematic(args)) => schematic::run(args, out),
+        Some(Command::Serve(args)) => serve::run(args, out),
     }
 }
 

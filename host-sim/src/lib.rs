@@ -17,6 +17,7 @@ mod refusal;
 pub mod run;
 #[allow(clippy::cast_possible_wrap, reason = "counts and coordinates of drawings stay far below 2³¹")]
 pub mod schematic;
+pub mod serve;
 mod source;
 pub mod stability;
 pub mod trace;

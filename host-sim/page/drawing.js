@@ -1,0 +1,140 @@
+// The schematic: values into its texts, arrows along its lines, colours by state and by φ.
+
+import { gauge, flow, pressure, ratio, temperature, write } from "./units.js";
+
+const SPACING = 64; // px between arrows
+const FASTEST = 90; // px/s of the largest flow
+const PAINT = 50; // ms between two pictures
+
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+export class Drawing {
+  /** `text`: the SVG; `choose(id)`: called when a node or element is chosen. */
+  constructor(place, text, network, index, choose) {
+    const parsed = new DOMParser().parseFromString(text, "image/svg+xml");
+    this.svg = document.importNode(parsed.documentElement, true);
+    place.replaceChildren(this.svg);
+    this.network = network;
+    this.index = index;
+    this.find = (id) => this.svg.getElementById(id);
+    this.lines = network.lines.map((line, number) => this.line(line, number));
+    this.largest = 1e-9;
+    this.groups = new Map();
+    let element = 0;
+    network.nodes.forEach((node, number) => this.groups.set(node.id, this.find(`n${number}`)));
+    for (const line of network.lines) {
+      for (const [id] of line.elements) this.groups.set(id, this.find(`e${element++}`));
+    }
+    for (const [id, group] of this.groups) {
+      group.addEventListener("click", () => choose(id));
+      group.addEventListener("keydown", (event) => {
+        if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(id); }
+      });
+    }
+    this.painted = 0;
+    this.stopped = false;
+    const paint = (now) => {
+      if (now - this.painted >= PAINT && !document.hidden) this.move(now);
+      requestAnimationFrame(paint);
+    };
+    requestAnimationFrame(paint);
+  }
+
+  line(line, number) {
+    const wire = this.find(`l${number}`);
+    const points = wire.getAttribute("d").match(/-?\d+ -?\d+/g).map((pair) => pair.split(" ").map(Number));
+    const parts = [];
+    let length = 0;
+    for (let k = 1; k < points.length; k += 1) {
+      const [[x, y], [u, v]] = [points[k - 1], points[k]];
+      const long = Math.abs(u - x) + Math.abs(v - y);
+      parts.push({ from: length, long, x, y, dx: Math.sign(u - x), dy: Math.sign(v - y) });
+      length += long;
+    }
+    return { wire, arrows: this.find(`l${number}a`), text: this.find(`l${number}f`), parts, length, phase: 0, flow: 0 };
+  }
+
+  mark(chosen) {
+    for (const [id, group] of this.groups) {
+      group.classList.toggle("chosen", chosen.has(id));
+      group.setAttribute("aria-pressed", String(chosen.has(id)));
+    }
+  }
+
+  /** Shows a frame; `density(node)` gives the density at a node [kg/m³]. */
+  show(frame, density) {
+    const { network, index } = this;
+    const at = (id) => { const place = index.get(id); return place === undefined ? null : frame.values[place]; };
+    const put = (id, text) => { const place = this.find(id); if (place && place.textContent !== text) place.textContent = text; };
+    const { fault_node: badNode, fault_line: badLine } = frame.figures;
+    network.nodes.forEach((node, number) => {
+      const over = at(`${node.id}.pressure`);
+      put(`n${number}a`, over === null ? "" : write(network.reference_pa + over, pressure()));
+      const kelvin = at(`${node.id}.temperature`);
+      const damp = at(`${node.id}.humidity`);
+      const parts = [];
+      if (kelvin !== null) parts.push(write(kelvin, temperature()));
+      if (damp !== null) parts.push(write(damp, ratio()));
+      put(`n${number}b`, parts.join(" "));
+      this.find(`n${number}`).classList.toggle("fault", badNode === number);
+    });
+    const states = new Map(network.inputs.map((input, k) => [input.id, frame.inputs[k]]));
+    const inputs = new Map(network.inputs.map((input) => [input.id.slice(0, input.id.lastIndexOf(".")), input.id]));
+    let largest = 1e-9;
+    let element = 0;
+    network.lines.forEach((line, number) => {
+      const own = this.lines[number];
+      const value = at(`${line.id}.mass_flow`);
+      own.flow = Number.isFinite(value) && value !== null ? value : 0;
+      largest = Math.max(largest, Math.abs(own.flow));
+      put(`l${number}f`, write(value, flow(density(line.from))));
+      const phi = at(`${line.id}.phi`) ?? 1;
+      // φ spans decades: a tenth is half way to fully bent.
+      const bent = phi >= 1 ? 0 : Math.min(1, -Math.log10(Math.max(phi, 1e-9)) / 2 + 0.1);
+      own.wire.style.setProperty("--slowed", `${Math.round(bent * 100)}%`);
+      own.wire.classList.toggle("fault", badLine === number);
+      for (const [id] of line.elements) {
+        const input = inputs.get(id);
+        const broken = input && !["free", "scheduled"].includes(states.get(input));
+        this.find(`e${element}`).classList.toggle("broken", Boolean(broken));
+        put(`e${element}a`, input ? write(at(input), ratio()) : "");
+        const outlet = at(`${id}.outlet_pressure`);
+        put(`e${element}b`, outlet === null ? "" : write(outlet, gauge()));
+        element += 1;
+      }
+    });
+    this.largest = largest;
+    this.stopped = frame.figures.paused || !frame.figures.trusted;
+  }
+
+  /** Moves the arrows. */
+  move(now) {
+    const passed = Math.min(now - this.painted, 200) * 1e-3;
+    this.painted = now;
+    for (const line of this.lines) {
+      const part = Math.abs(line.flow) / this.largest;
+      if (part < 1e-6) { line.arrows.setAttribute("d", ""); continue; }
+      const forward = Math.sign(line.flow);
+      if (!this.stopped && !calm.matches) line.phase += forward * FASTEST * part * passed;
+      const size = 3 + 4 * Math.sqrt(part);
+      line.arrows.setAttribute("d", arrows(line, ((line.phase % SPACING) + SPACING) % SPACING, size, forward));
+    }
+  }
+}
+
+/** Triangles along a line, every `SPACING`. */
+function arrows(line, phase, size, forward) {
+  let path = "";
+  for (const part of line.parts) {
+    const skip = (((phase - part.from) % SPACING) + SPACING) % SPACING;
+    for (let s = skip; s < part.long; s += SPACING) {
+      const [dx, dy] = [part.dx * forward, part.dy * forward];
+      const [x, y] = [part.x + part.dx * s, part.y + part.dy * s];
+      const [tx, ty] = [x + dx * size, y + dy * size];
+      const [bx, by] = [x - dx * size, y - dy * size];
+      const [wx, wy] = [-dy * size * 0.7, dx * size * 0.7];
+      path += `M${tx.toFixed(1)} ${ty.toFixed(1)}L${(bx + wx).toFixed(1)} ${(by + wy).toFixed(1)}L${(bx - wx).toFixed(1)} ${(by - wy).toFixed(1)}Z`;
+    }
+  }
+  return path;
+}

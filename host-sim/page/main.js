@@ -1,0 +1,199 @@
+// Puts the page together: frames go to the drawing, the figures, the controls, the trends and the table.
+
+import { Controls } from "./controls.js";
+import { Drawing } from "./drawing.js";
+import { Recorder } from "./recorder.js";
+import { listen, load } from "./stream.js";
+import { Chart, History } from "./trends.js";
+import { density, flow, gauge, pressure, show, unitFor, useUnits, write } from "./units.js";
+
+const element = (id) => document.getElementById(id);
+const say = (text) => { element("news").textContent = text; };
+const MOST_CURVES = 6;
+
+let page = null;
+
+/** Everything that belongs to one network; made anew when the server comes back with another one. */
+async function build() {
+  const network = await load("/network", "json");
+  const index = new Map(network.values.map((value, place) => [value.id, place]));
+  document.title = `${network.title} – eclss-rt`;
+  element("title").textContent = network.title;
+  element("about").textContent = `${network.method} on ${network.plant}, network ${network.network_id}`;
+  element("pseudo").hidden = !network.pseudo_time;
+  const built = {
+    network, index, shown: 0, rate: 0, since: performance.now(), count: 0, tabled: 0,
+    history: new History(network.values.length),
+    controls: new Controls(network, say),
+    recorder: new Recorder(network, element("record"), element("recorded")),
+    chosen: new Set([...network.nodes.filter((node) => node.kind === "cabin").slice(0, 3).map((node) => node.id)]),
+    lines: new Set(network.lines.slice(0, 3).map((line) => line.id)),
+    frame: null,
+  };
+  try {
+    const text = await load("/schematic.svg", "text");
+    built.drawing = new Drawing(element("drawing"), text, network, index, (id) => choose(built, id));
+    built.drawing.mark(built.chosen);
+  } catch {
+    element("drawing").textContent = "This network is too large for a drawing; its values are below.";
+  }
+  element("table").replaceChildren(...network.values.map((value) => {
+    const row = document.createElement("tr");
+    const name = document.createElement("th");
+    name.scope = "row";
+    name.textContent = value.id;
+    row.append(name, document.createElement("td"));
+    return row;
+  }));
+  return built;
+}
+
+/** A node or element was chosen: its pressure or flow joins the trends or leaves them. */
+function choose(built, id) {
+  const is = built.chosen.has(id);
+  if (is) built.chosen.delete(id); else built.chosen.add(id);
+  built.drawing.mark(built.chosen);
+  built.controls.reveal(id);
+  const value = (name) => built.index.has(name) && built.frame
+    ? `, ${name.slice(name.lastIndexOf(".") + 1).replace("_", " ")} ${write(built.frame.values[built.index.get(name)], unitFor(name, built.network.values[built.index.get(name)].unit, 1.2))}`
+    : "";
+  const said = ["mass_flow", "outlet_pressure", "opening", "speed"].map((what) => value(`${id}.${what}`)).join("");
+  say(`${id}${said}${is ? ": taken from the trends" : ": drawn in the trends"}`);
+}
+
+function densityAt(built, frame) {
+  const { network, index } = built;
+  return (node) => {
+    const { id, temperature_k: still } = network.nodes[node];
+    const over = frame.values[index.get(`${id}.pressure`)] ?? 0;
+    const kelvin = frame.values[index.get(`${id}.temperature`)] ?? still;
+    return density(network.reference_pa + over, kelvin);
+  };
+}
+
+function trends(built, charts) {
+  const { network, index, chosen, lines } = built;
+  const flows = [];
+  const pressures = [];
+  const rho = built.frame ? densityAt(built, built.frame) : () => 1.2;
+  const carry = flow();
+  network.lines.forEach((line) => {
+    const { of } = flow(rho(line.from));
+    const ids = [...(lines.has(line.id) ? [line.id] : []), ...line.elements.map(([id]) => id).filter((id) => chosen.has(id))];
+    ids.forEach((id) => flows.push({ label: id, place: index.get(`${id}.mass_flow`), of }));
+    line.elements.filter(([id]) => chosen.has(id)).forEach(([id]) => {
+      pressures.push({ label: id, place: index.get(`${id}.outlet_pressure`), of: gauge().of });
+    });
+  });
+  network.nodes.filter((node) => chosen.has(node.id)).forEach((node) => {
+    pressures.unshift({ label: node.id, place: index.get(`${node.id}.pressure`), of: gauge().of });
+  });
+  charts.flow.set("Mass flow", carry.unit, flows.slice(-MOST_CURVES));
+  charts.pressure.set(`Pressure over ${write(network.reference_pa, pressure())}`, gauge().unit, pressures.slice(-MOST_CURVES));
+  charts.flow.draw(built.history);
+  charts.pressure.draw(built.history);
+}
+
+function figures(built, frame) {
+  const { figures: f } = frame;
+  const us = (number) => `${show(number, number < 10 ? 2 : 0)} µs`;
+  const closure = Number.isFinite(f.closure) && f.closure !== null ? f.closure.toExponential(1).replace("-", "−") : "–";
+  const lines = [
+    ["Plant time", `${show(f.t_s, 2)} s`], ["Tick", String(f.tick)], ["Speed", f.paused ? "held" : `× ${f.speed}`],
+    ["Overruns", String(f.overruns), f.overruns > 0], ["Behind the clock", `${show(f.lag_s, 3)} s`],
+    ["Headroom", `${show(f.headroom * 100, 1)} %`, f.headroom < 0.2], ["Step, mean", us(f.mean_us)],
+    ["Step, 99 %", us(f.p99_us)], ["Step, worst", us(f.worst_us)],
+    ["φ now", show(f.phi, 4)], ["φ_min", show(f.phi_worst, 4)], ["Ledger lacks", closure],
+    ["State", f.trusted ? "trusted" : "left its range", !f.trusted],
+    ["Frames dropped", String(frame.missed)], ["Updates", `${show(built.rate, 1)} /s`],
+  ];
+  const list = element("figures");
+  if (list.childElementCount !== 2 * lines.length) {
+    list.replaceChildren(...lines.flatMap(([name]) => {
+      const term = document.createElement("dt");
+      term.textContent = name;
+      return [term, document.createElement("dd")];
+    }));
+  }
+  lines.forEach(([, text, bad], number) => {
+    const cell = list.children[2 * number + 1];
+    if (cell.textContent !== text) cell.textContent = text;
+    cell.classList.toggle("bad", Boolean(bad));
+  });
+}
+
+function table(built, frame) {
+  const rows = element("table").children;
+  const rho = densityAt(built, frame);
+  const at = built.network.lines.length ? rho(built.network.lines[0].from) : 1.2;
+  built.network.values.forEach((value, place) => {
+    const unit = unitFor(value.id, value.unit, at);
+    const absolute = value.unit === "Pa" && value.id.endsWith(".pressure") ? built.network.reference_pa : 0;
+    const number = frame.values[place];
+    rows[place].lastChild.textContent = number === null ? "–" : write(number + absolute, unit);
+  });
+}
+
+function onFrame(frame, charts) {
+  const built = page;
+  if (!built || frame.values.length !== built.network.values.length) return;
+  const now = performance.now();
+  built.frame = frame;
+  built.count += 1;
+  built.history.add(frame.figures.t_s, frame.values);
+  built.recorder.add(frame);
+  if (now - built.since >= 1000) {
+    built.rate = (built.count * 1000) / (now - built.since);
+    [built.count, built.since] = [0, now];
+  }
+  document.documentElement.dataset.frames = String((built.shown += 1));
+  if (document.hidden) return;
+  built.drawing?.show(frame, densityAt(built, frame));
+  built.controls.show(frame, built.index);
+  figures(built, frame);
+  if (built.shown % 4 === 1) trends(built, charts);
+  if (now - built.tabled > 1000 && element("all").querySelector("details").open) {
+    built.tabled = now;
+    table(built, frame);
+  }
+  if (!frame.figures.trusted && built.trusted !== false) say("the run left its range and is no longer trusted");
+  built.trusted = frame.figures.trusted;
+}
+
+async function onLink(live, known) {
+  element("link").textContent = live ? "live" : "connection lost, trying again";
+  element("link").className = live ? "live" : "lost";
+  document.body.classList.toggle("stale", !live);
+  if (live && known.lost) {
+    // The server may have come back with another network.
+    try {
+      const network = await load("/network", "json");
+      if (JSON.stringify(network) !== JSON.stringify(page?.network)) page = await build();
+      known.lost = false;
+    } catch { /* gone again: the next connection tries */ }
+  } else if (!live) known.lost = true;
+}
+
+function view() {
+  const remember = (key, value) => { try { localStorage.setItem(key, value); } catch { /* private windows may refuse */ } };
+  const recall = (key) => { try { return localStorage.getItem(key) ?? ""; } catch { return ""; } };
+  const theme = (name) => { document.documentElement.dataset.theme = name; };
+  element("theme").value = recall("theme");
+  theme(element("theme").value);
+  element("theme").onchange = (event) => { theme(event.target.value); remember("theme", event.target.value); };
+  element("units").value = recall("units") || "si";
+  useUnits(element("units").value);
+  element("units").onchange = (event) => { useUnits(event.target.value); remember("units", event.target.value); };
+}
+
+async function start() {
+  view();
+  const charts = { flow: new Chart("flow"), pressure: new Chart("pressure") };
+  const known = { lost: false };
+  while (!page) {
+    try { page = await build(); } catch { await new Promise((done) => { setTimeout(done, 500); }); }
+  }
+  listen((frame) => onFrame(frame, charts), (live) => onLink(live, known));
+}
+
+start();

@@ -1,0 +1,58 @@
+// Quantities as people read them. The plant sends SI; nothing but this file knows other units.
+
+const GAS_CONSTANT = 287.05; // J/(kg·K), dry air
+const CFM = 4.719474432e-4; // m³/s in a cubic foot a minute
+const MMHG = 133.322387415; // Pa in a millimetre of mercury
+
+let system = "si";
+export const useUnits = (name) => { system = name === "us" ? "us" : "si"; };
+
+/** A number with `digits` behind the point and a real minus sign. */
+export function show(number, digits) {
+  if (!Number.isFinite(number)) return "–";
+  const text = number.toFixed(digits);
+  // What rounds to nothing has no sign.
+  return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
+}
+
+const digitsFor = (number, most) => {
+  const size = Math.abs(number);
+  return size >= 100 ? Math.min(most, 1) : size >= 10 ? Math.min(most, 2) : most;
+};
+
+/** Absolute pressure [Pa]. */
+export const pressure = () => system === "us"
+  ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 2 }
+  : { unit: "kPa", of: (pa) => pa * 1e-3, digits: 3 };
+/** Pressure over the reference [Pa]. */
+export const gauge = () => system === "us"
+  ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 3 }
+  : { unit: "Pa", of: (pa) => pa, digits: 2 };
+/** Mass flow [kg/s]; as volume flow at `density` [kg/m³]. */
+export const flow = (density) => system === "us"
+  ? { unit: "cfm", of: (kg) => kg / (density > 0 ? density : 1.2) / CFM, digits: 3 }
+  : { unit: "g/s", of: (kg) => kg * 1e3, digits: 3 };
+export const temperature = () => system === "us"
+  ? { unit: "°F", of: (k) => (k - 273.15) * 1.8 + 32, digits: 1 }
+  : { unit: "°C", of: (k) => k - 273.15, digits: 1 };
+export const ratio = () => ({ unit: "%", of: (part) => part * 100, digits: 1 });
+const plain = (unit) => ({ unit: unit === "1" ? "" : unit, of: (number) => number, digits: 4 });
+
+export const density = (pa, kelvin) => pa / (GAS_CONSTANT * kelvin);
+
+/** The unit for a published value, by its id and SI unit. */
+export function unitFor(id, unit, at) {
+  const what = id.slice(id.lastIndexOf(".") + 1);
+  if (unit === "kg/s") return flow(at);
+  if (unit === "Pa") return what === "pressure" ? pressure() : gauge();
+  if (unit === "K") return temperature();
+  if (unit === "1" && (what === "opening" || what === "speed" || what === "humidity")) return ratio();
+  return plain(unit);
+}
+
+/** A value with its unit. */
+export function write(number, unit) {
+  if (number === null || number === undefined || !Number.isFinite(number)) return "–";
+  const value = unit.of(number);
+  return `${show(value, digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}`;
+}

@@ -1,0 +1,98 @@
+//! Reads everything that is published from a running simulator.
+
+use eclss_core::element::Operating;
+use eclss_core::{Element, Method, NodeKind, Simulator, air, operator};
+use eclss_network_file::Loaded;
+
+use super::feed::Value;
+use crate::trace::{Figure, Segments};
+
+/// What is published of a network, and how it is read.
+#[derive(Debug, Clone)]
+pub(super) struct Reading {
+    figures: Vec<Figure>,
+    /// Mass of all cabins at the start [kg].
+    total_kg: f64,
+    /// What each node has too much after its flows [kg].
+    open_kg: Vec<f64>,
+}
+
+/// Published values: everything that a run can write down, then φ of every line.
+pub(super) fn values(loaded: &Loaded) -> Vec<Value> {
+    let records = loaded.all_records();
+    let mut values: Vec<_> = records
+        .iter()
+        .map(|record| Value { id: record.name.clone(), unit: record.quantity.unit().to_owned() })
+        .collect();
+    let phi = |id: &String| Value { id: format!("{id}.phi"), unit: "1".to_owned() };
+    values.extend(loaded.names.lines.iter().map(phi));
+    values
+}
+
+impl Reading {
+    pub(super) fn new(loaded: &Loaded) -> Self {
+        let figures = loaded.all_records().iter().map(|record| Figure::Point(record.quantity)).collect();
+        let mass = |node: &eclss_core::Node| match node.kind {
+            NodeKind::Cabin { volume_m3 } => {
+                let pressure = f64::from(loaded.reference_pa) + f64::from(node.start_gauge_pa);
+                let gas = f64::from(air::GAS_CONSTANT_J_KG_K) * f64::from(node.temperature_k);
+                pressure * f64::from(volume_m3) / gas
+            }
+            _ => 0.0,
+        };
+        let total_kg = loaded.nodes.iter().map(mass).sum();
+        Self { figures, total_kg, open_kg: vec![0.0; loaded.nodes.len()] }
+    }
+
+    /// Reads all values, in the order of [`values`].
+    pub(super) fn read(&self, simulator: &Simulator<'_>, segments: &mut Segments, into: &mut [f32]) {
+        segments.read(simulator);
+        for (figure, value) in self.figures.iter().zip(into.iter_mut()) {
+            *value = figure.read(simulator, segments);
+        }
+        for (line, value) in into.iter_mut().skip(self.figures.len()).enumerate() {
+            *value = line_phi(simulator, line);
+        }
+    }
+
+    /// What the mass ledger lacks, over the mass of all cabins [1]: the larger of what the worst node and what the
+    /// whole network lacks. NaN where there is no cabin.
+    pub(super) fn closure(&mut self, simulator: &Simulator<'_>) -> f64 {
+        let network = simulator.network();
+        let mut whole = 0.0;
+        for (node, open) in self.open_kg.iter_mut().enumerate() {
+            *open = simulator.node_mass_kg(node) + simulator.fictitious_kg(node);
+            whole += *open;
+        }
+        for (index, line) in network.lines.iter().enumerate() {
+            let [taken, given, drained] = simulator.line_sums_kg(index);
+            self.open_kg[line.from as usize] += taken;
+            self.open_kg[line.to as usize] -= given;
+            whole += drained + simulator.held_kg(index);
+        }
+        let lacks = self.open_kg.iter().fold(whole.abs(), |worst: f64, open| worst.max(open.abs()));
+        lacks / self.total_kg
+    }
+}
+
+/// φ of a line's flow row in method `relaxation`, at its present flow; 1 where the method slows no line.
+fn line_phi(simulator: &Simulator<'_>, line: usize) -> f32 {
+    let network = simulator.network();
+    let settings = simulator.settings();
+    let Some(description) = network.lines.get(line).filter(|_| settings.method == Method::Relaxation) else {
+        return 1.0;
+    };
+    let w = simulator.line_flow_kg_s(line);
+    let (mut folded, mut linear, mut ratio) = (0.0, 0.0, 1.0);
+    for segment in network.segments_of(description).iter().skip(description.flow_segment as usize) {
+        let inputs = simulator.inputs().get(segment.first_input as usize..).unwrap_or(&[]);
+        let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: w, density_ratio: 1.0 });
+        folded += law.resistance * ratio * ratio;
+        linear += law.linear * ratio;
+        if w > 0.0 {
+            ratio /= 1.0 + segment.element.removal();
+        }
+    }
+    let h = settings.step_us as f32 * 1e-6;
+    operator::phi(h * (2.0 * w.abs() * folded + linear))
+}

@@ -1,0 +1,216 @@
+//! The live page in a real browser: it loads and keeps up, moves the plant, shows malfunctions, comes back, asks
+//! nobody else, and nothing in it overlaps.
+
+mod driver;
+mod plant;
+
+use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
+
+use driver::Browser;
+use plant::Plant;
+
+/// Frames shown so far.
+const FRAMES: &str = "return Number(document.documentElement.dataset.frames || 0)";
+/// Key codes of the `WebDriver` protocol.
+const HOME: &str = "\u{E011}";
+
+fn opened(network: &str) -> (Plant, Browser) {
+    let plant = Plant::start(network, 0);
+    let browser = Browser::start(1440, 1000);
+    browser.open(&plant.link);
+    browser.wait("frames arrive", "return Number(document.documentElement.dataset.frames || 0) > 3");
+    (plant, browser)
+}
+
+#[track_caller]
+fn assert_quiet(browser: &Browser) {
+    let said = browser.console();
+    assert!(said.is_empty(), "the console says {said:#?}");
+}
+
+#[test]
+fn it_loads_keeps_up_and_asks_nobody_else() {
+    let (plant, browser) = opened("station.toml");
+    let before = browser.run(FRAMES).as_u64().unwrap();
+    sleep(Duration::from_secs(4));
+    let rate = (browser.run(FRAMES).as_u64().unwrap() - before) as f64 / 4.0;
+    println!("{rate:.1} updates/s");
+    assert!(rate >= 10.0, "{rate} updates/s");
+    browser.run("document.querySelector('#all details').open = true");
+    browser.wait(
+        "the table is filled",
+        "return document.querySelector('#table td').textContent.endsWith('kPa')",
+    );
+    assert_quiet(&browser);
+    let requests = browser.requests();
+    assert!(requests.len() > 8, "the log of requests works: {requests:?}");
+    for link in requests {
+        assert!(link.starts_with(&plant.link) || link.starts_with("data:"), "asked {link}");
+    }
+}
+
+#[test]
+fn a_slider_moves_the_plant_and_the_drawing() {
+    let (plant, browser) = opened("paper.toml");
+    // In the file the valve follows a schedule; by hand it does not.
+    assert_eq!(browser.run("return document.querySelector('#input-1').disabled"), true);
+    browser.press("#scenario", "by");
+    browser.wait("the slider is free", "return !document.querySelector('#input-1').disabled");
+    browser.press("#speed", "× 10");
+    browser.wait(
+        "the loop settles",
+        "return Math.abs(parseFloat(document.querySelector('#l0f').textContent) - 86.48) < 0.06",
+    );
+    let open = plant.value("loop.mass_flow");
+    let arrows = "return document.querySelector('#l0a').getAttribute('d')";
+    assert!(browser.run(arrows).as_str().unwrap().matches('M').count() > 5, "arrows are drawn");
+    let drawn = browser.run(arrows);
+    browser
+        .wait("arrows move", &format!("return document.querySelector('#l0a').getAttribute('d') !== {drawn}"));
+    // By keyboard alone: all the way to the left.
+    browser.press("#input-1", HOME);
+    browser.wait("the drawing shows it", "return parseFloat(document.querySelector('#l0f').textContent) < 1");
+    let shut = plant.value("loop.mass_flow");
+    assert!(plant.value("valve.opening") < 1e-6);
+    assert!((open - 0.0865).abs() < 5e-4 && shut.abs() < 1e-3, "{open} kg/s open, {shut} kg/s shut");
+    let symbol = browser.run("return document.querySelector('#e5a').textContent");
+    assert_eq!(symbol, "0.0 %");
+    assert_quiet(&browser);
+}
+
+#[test]
+fn a_malfunction_shows_and_is_repaired() {
+    let (plant, browser) = opened("station.toml");
+    let id = "lab_node1_fan";
+    let whole = plant.value("lab_node1.mass_flow");
+    browser.click(&format!("button[aria-label='{id}.speed: stops']"));
+    browser.wait(
+        "it is said",
+        "return document.querySelector('#news').textContent.includes('is broken: stops')",
+    );
+    let broken = format!(
+        "return [...document.querySelectorAll('.element.broken')].map(e => e.getAttribute('aria-label')).join() === 'fan {id}'"
+    );
+    browser.wait("the fan is marked, no other one", &broken);
+    browser.wait(
+        "the air stands",
+        "return parseFloat(document.querySelector('#l0f').textContent.replace('−', '-')) < 40",
+    );
+    let less = plant.value("lab_node1.mass_flow");
+    assert!(plant.value(&format!("{id}.speed")) < 1e-6 && less < 0.6 * whole, "{whole} kg/s, then {less}");
+    browser.click(&format!("button[aria-label='{id}.speed: stops']"));
+    browser.wait("it is whole again", "return !document.querySelector('.element.broken')");
+    browser.wait("the air moves", "return parseFloat(document.querySelector('#l0f').textContent) > 60");
+    assert_quiet(&browser);
+}
+
+#[test]
+fn pause_step_and_units_work_from_the_keyboard() {
+    let (plant, browser) = opened("paper.toml");
+    browser.press("#pause", " ");
+    browser.wait(
+        "it is held",
+        "return document.querySelector('#pause').getAttribute('aria-pressed') === 'true'",
+    );
+    let tick = plant.frame()["figures"]["tick"].as_u64().unwrap();
+    browser.press("#step", "\u{E007}");
+    let wait = format!(
+        "return [...document.querySelectorAll('#figures dd')].some(cell => cell.textContent === '{}')",
+        tick + 1
+    );
+    browser.wait("one step was taken", &wait);
+    assert_eq!(plant.frame()["figures"]["tick"].as_u64(), Some(tick + 1));
+    browser.press("#units", "mm");
+    browser.wait("pressures in mmHg", "return document.querySelector('#n0a').textContent === '760.0 mmHg'");
+    browser.wait("flows in cfm", "return document.querySelector('#l0f').textContent.endsWith('cfm')");
+    // A symbol can be reached and chosen without a mouse.
+    browser.press("#e1", " ");
+    browser.wait(
+        "the choice is said",
+        "return document.querySelector('#news').textContent.startsWith('fan, mass flow')",
+    );
+    assert_eq!(browser.run("return document.querySelector('#e1').getAttribute('aria-pressed')"), "true");
+    browser.click("#record");
+    sleep(Duration::from_millis(300));
+    browser.press("#step", "\u{E007}");
+    browser.wait("rows are recorded", "return parseInt(document.querySelector('#recorded').textContent) > 1");
+    assert_quiet(&browser);
+}
+
+#[test]
+fn it_comes_back_when_the_server_does() {
+    let (plant, browser) = opened("paper.toml");
+    let port = plant.port();
+    drop(plant);
+    browser.wait("the loss is shown", "return document.querySelector('#link').className === 'lost'");
+    let before = browser.run(FRAMES).as_u64().unwrap();
+    // Another network under the same address: the page takes it up.
+    let plant = Plant::start("station.toml", port);
+    browser.wait("it is live", "return document.querySelector('#link').className === 'live'");
+    browser.wait("the new network is drawn", "return Boolean(document.querySelector('#n9'))");
+    browser.wait("frames arrive", &format!("{FRAMES} > 3"));
+    assert!(before > 3);
+    // While nobody answered, the browser itself says so; the page says nothing else.
+    for (level, text) in browser.console() {
+        assert!(text.contains("net::ERR"), "{level}: {text}");
+    }
+    drop(plant);
+}
+
+/// Pairs of texts and symbols of the drawing that overlap, and texts that stick out of it, as the browser lays them out.
+const OVERLAPS: &str = "
+  const sheet = document.querySelector('.schematic');
+  const [, , width, height] = sheet.getAttribute('viewBox').split(' ').map(Number);
+  const things = [...sheet.querySelectorAll('text')].filter(t => t.textContent).map(t => [t.textContent, t.getBBox()]);
+  sheet.querySelectorAll('.symbol').forEach(s => {
+    const b = s.getBBox(), m = s.transform.baseVal.consolidate().matrix;
+    const [w, h] = [Math.abs(m.a) * b.width, Math.abs(m.d) * b.height];
+    things.push([s.parentNode.getAttribute('aria-label'), { x: m.e - w / 2, y: m.f + m.d * b.y, width: w, height: h }]);
+  });
+  const found = [];
+  things.forEach(([a, p], k) => {
+    if (p.x < 0 || p.y < 0 || p.x + p.width > width || p.y + p.height > height) found.push(a + ' sticks out');
+    things.slice(k + 1).forEach(([b, q]) => {
+      // Letters do not fill their boxes to the last pixel.
+      if (p.x + 1 < q.x + q.width && q.x + 1 < p.x + p.width && p.y + 3 < q.y + q.height && q.y + 3 < p.y + p.height) {
+        found.push(a + ' overlaps ' + b);
+      }
+    });
+  });
+  const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+  if (wide > 0) found.push('the page is too wide by ' + wide);
+  return found";
+
+#[test]
+fn pictures_of_a_loop_and_a_station_light_and_dark_have_nothing_overlapping() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
+    std::fs::create_dir_all(&folder).unwrap();
+    for network in ["paper", "station"] {
+        let (plant, browser) = opened(&format!("{network}.toml"));
+        if network == "paper" {
+            browser.press("#scenario", "by");
+        }
+        browser.press("#speed", "× 10");
+        sleep(Duration::from_secs(3));
+        for scheme in ["light", "dark"] {
+            browser.prefer(scheme);
+            for units in ["kPa", "mmHg"] {
+                browser.press("#units", units);
+                sleep(Duration::from_millis(400));
+                let found = browser.run(OVERLAPS);
+                assert_eq!(found, serde_json::json!([]), "{network}, {scheme}, {units}");
+            }
+            browser.press("#units", "kPa");
+            sleep(Duration::from_millis(400));
+            let path = folder.join(format!("{network}_{scheme}.png"));
+            let picture = browser.picture();
+            assert!(picture.len() > 20_000, "a picture of something");
+            std::fs::write(&path, picture).unwrap();
+            println!("{}", path.display());
+        }
+        assert_quiet(&browser);
+        drop(plant);
+    }
+}
