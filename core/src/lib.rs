@@ -30,12 +30,14 @@
 extern crate std;
 
 pub mod air;
+pub mod climate;
 pub mod element;
 pub mod example;
 mod fingerprint;
 pub mod math;
 mod method;
 pub mod mode;
+pub mod moist;
 mod network;
 mod node;
 pub mod operator;

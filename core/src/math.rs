@@ -27,6 +27,13 @@ pub fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// Returns the smaller of two numbers, `b` where `a` is NaN; one compare and one select.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one compare and one select")]
+pub fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// Returns whether `value` is outside ±`limit` or is NaN.
 #[inline]
 #[allow(clippy::neg_cmp_op_on_partial_ord, reason = "one comparison that is also true for NaN")]
@@ -80,9 +87,59 @@ pub fn pow(x: f32, exponent: f32) -> f32 {
     power * f32::from_bits(((scale as i32 + 127) as u32) << 23)
 }
 
+/// ln 2 in two parts, the first with few enough bits that its product with a small integer is exact.
+const LN2_HIGH: f32 = 0.693_359_4;
+const LN2_LOW: f32 = -2.121_944_4e-4;
+
+/// Returns e^`x` for |x| < 87, within 3e-7 relative; beyond that it saturates instead of overflowing.
+///
+/// Always the same operations: x = k·ln 2 + r with |r| ≤ ½·ln 2, and the exponential series in r.
+#[inline]
+pub fn exp(x: f32) -> f32 {
+    let k = (x * core::f32::consts::LOG2_E + ROUND) - ROUND;
+    let r = (x - k * LN2_HIGH) - k * LN2_LOW;
+    let mut power = 1.0 / 5_040.0;
+    for coefficient in [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+        power = power * r + coefficient;
+    }
+    let scale = if k < -126.0 { -126.0 } else { k };
+    let scale = if scale > 127.0 { 127.0 } else { scale };
+    power * f32::from_bits(((scale as i32 + 127) as u32) << 23)
+}
+
+/// Returns ln `x` for `x` normal and > 0, within 2e-7 of the larger of 1 and |ln x|.
+///
+/// Always the same operations: the exponent of two and the logarithm of the mantissa, kept apart until the end.
+#[inline]
+pub fn ln(x: f32) -> f32 {
+    let bits = x.to_bits();
+    let above_sqrt2 = (bits & 0x007f_ffff) > 0x0035_04f3;
+    let e = ((bits >> 23).cast_signed() - 127 + i32::from(above_sqrt2)) as f32;
+    let m = f32::from_bits((bits & 0x007f_ffff) | if above_sqrt2 { 0x3f00_0000 } else { 0x3f80_0000 });
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let log2_m = s * (LOG2[0] + z * (LOG2[1] + z * (LOG2[2] + z * (LOG2[3] + z * LOG2[4]))));
+    e * LN2_HIGH + (e * LN2_LOW + log2_m * core::f32::consts::LN_2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exp_and_ln_are_within_their_documented_errors() {
+        let (mut of_exp, mut of_ln) = (0.0f64, 0.0f64);
+        for step in 0..=200_000 {
+            let x = -86.0 + 172.0 * step as f32 / 200_000.0;
+            of_exp = of_exp.max((f64::from(exp(x)) / f64::from(x).exp() - 1.0).abs());
+            let y = f64::from(x * 0.4).exp() as f32;
+            let exact = f64::from(y).ln();
+            of_ln = of_ln.max((f64::from(ln(y)) - exact).abs() / exact.abs().max(1.0));
+        }
+        std::println!("exp: largest relative error {of_exp:.2e}; ln: {of_ln:.2e}");
+        assert!(of_exp < 3e-7 && of_ln < 2e-7, "{of_exp:e} {of_ln:e}");
+        assert!(exp(-1e3) < 1e-37 && exp(1e3) > 1e37);
+    }
 
     #[test]
     fn pow_is_within_its_documented_error() {

@@ -1,0 +1,240 @@
+//! Condensing heat exchanger: air over cold walls, coolant behind them, water between.
+//!
+//! The coil is cut into [`CELLS`] walls along the air's way; the coolant runs against it. Within one step a wall is
+//! isothermal, so each side follows in closed form (bypass factor):
+//!
+//! ```text
+//! air      T_o = T_s + b·(T_i − T_s)    W_o = min(W_i, W_s(T_s) + b·(W_i − W_s(T_s)))    b = exp(−NTU_a/n)
+//! coolant  T_o = T_s + e·(T_i − T_s)                                                      e = exp(−NTU_c/n)
+//! NTU_a = U_a·(w/w_ref)^m/(w·c_p)       NTU_c = U_c·(w_c/w_c,ref)^0.8/(w_c·c_c)
+//! ```
+//!
+//! Heat and mass transfer have the same bypass factor (Lewis number near 1). A dry cell condenses nothing; a cell
+//! colder than the dew point grows a film; a film under drier air evaporates again, as far as it covers its cell.
+//! What a film cannot hold drains. Walls store heat, films store water, and each transfer is one rounded number that
+//! leaves one side and enters the other.
+//!
+//! Source: bypass factor with wall node as in V-HAB's description of the station's exchanger; 0.8 is the exponent of
+//! turbulent pipe flow (Dittus and Boelter). `U_a`, m and `U_c` are fitted, see [`Condenser::CCAA`]. Valid for walls
+//! of 0…60 °C and air flow in either direction; no frost.
+
+use super::medium::{LIQUID, Medium, VAPOUR};
+use super::stream::Stream;
+use crate::element::{ParameterError, Reason};
+use crate::{Fingerprint, math, moist};
+
+/// Walls along the way of the air.
+pub const CELLS: usize = 12;
+
+/// Exponent of the coolant's heat transfer.
+const COOLANT_EXPONENT: f32 = 0.8;
+/// Least flow that a side is computed for [kg/s]; below it nothing is exchanged.
+const LEAST_FLOW_KG_S: f32 = 1e-6;
+/// Most that acts on one wall [W/K]: 1 kg/s of wet air and 0.25 kg/s of water at once.
+const WALL_LOAD_W_K: f32 = 4e3;
+
+/// Fixed data of one coil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Condenser {
+    /// Conductance between air and wall `U_a` [W/K] at the reference flow; finite and > 0.
+    pub air_w_k: f32,
+    /// Reference flow of dry air `w_ref` [kg/s]; finite and > 0.
+    pub air_reference_kg_s: f32,
+    /// Exponent m of the air's flow [1]; 0 … 1.
+    pub air_exponent: f32,
+    /// Conductance between wall and coolant `U_c` [W/K] at the reference flow; finite and > 0.
+    pub coolant_w_k: f32,
+    /// Reference flow of coolant `w_c,ref` [kg/s]; finite and > 0.
+    pub coolant_reference_kg_s: f32,
+    /// Heat capacity of the dry walls [J/K]; finite, and large enough for the step.
+    pub capacity_j_k: f32,
+    /// Water that the films hold before they drain [kg]; finite and > 0.
+    pub film_kg: f32,
+}
+
+impl Condenser {
+    /// The condensing heat exchanger of the station's common cabin air assembly.
+    ///
+    /// `U_a`, m and `U_c` are fitted to the rows at 67 °F of the effectiveness table of SAE 2005-01-2801 (through
+    /// V-HAB) by `cargo run --release -p eclss-core --example fit_condenser`, with the effectiveness read as
+    /// `(T_in − T_out)/(T_in − T_coolant)`; reference flows are free choices, capacity and film are assumed. The table
+    /// hardly determines `U_c`: it only says that the coolant's side resists much less than the air's.
+    pub const CCAA: Self = Self {
+        air_w_k: 491.9,
+        air_reference_kg_s: 0.1,
+        air_exponent: 0.567_8,
+        coolant_w_k: 9_527.0,
+        coolant_reference_kg_s: 0.075_6,
+        capacity_j_k: 12_000.0,
+        film_kg: 0.1,
+    };
+
+    /// Finds the first parameter outside its valid range, for a step of `step_s` [s].
+    pub fn check(&self, step_s: f32) -> Result<(), ParameterError> {
+        ParameterError::unless_positive("air_w_k", self.air_w_k)?;
+        ParameterError::unless_positive("air_reference_kg_s", self.air_reference_kg_s)?;
+        ParameterError::unless_fraction("air_exponent", self.air_exponent)?;
+        ParameterError::unless_positive("coolant_w_k", self.coolant_w_k)?;
+        ParameterError::unless_positive("coolant_reference_kg_s", self.coolant_reference_kg_s)?;
+        ParameterError::unless_positive("capacity_j_k", self.capacity_j_k)?;
+        ParameterError::unless_positive("film_kg", self.film_kg)?;
+        // Within one step a wall must not pass the temperature that it is pulled to.
+        if self.capacity_j_k < CELLS as f32 * step_s * WALL_LOAD_W_K {
+            return Err(ParameterError { parameter: "capacity_j_k", reason: Reason::OutsideValidity });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn feed(&self, hash: &mut Fingerprint) {
+        hash.values(&[
+            self.air_w_k,
+            self.air_reference_kg_s,
+            self.air_exponent,
+            self.coolant_w_k,
+            self.coolant_reference_kg_s,
+            self.capacity_j_k,
+            self.film_kg,
+        ]);
+    }
+
+    /// Share of the way to the wall's state that a flow of `flow_kg_s` with capacity `capacity_w_k` goes in one cell.
+    fn contact(conductance_w_k: f32, capacity_w_k: f32) -> f32 {
+        let ntu = conductance_w_k / (capacity_w_k * CELLS as f32);
+        1.0 - math::exp(-math::smaller(ntu, 80.0))
+    }
+}
+
+/// State of a wall: energy of wall and film over the start, and its carry [J]; water in its film, and its carry [kg].
+pub type WallState = [f32; 4];
+
+/// Figures of a wall that a step derives: temperature over the reference [K]; energy [J] and water [kg] that reach
+/// it in this step.
+pub type WallFigures = [f32; 3];
+
+/// Water that leaves a coil during one step, and the energy that it carries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Drained {
+    /// Water [kg].
+    pub water_kg: f32,
+    /// Its energy with respect to the reference temperature [J].
+    pub energy_j: f32,
+}
+
+/// One coil while it is stepped: [`Self::begin`], both sides in any order, [`Self::settle`].
+#[derive(Debug)]
+pub struct Coil<'s> {
+    /// Fixed data.
+    pub condenser: &'s Condenser,
+    /// Air as the network has it.
+    pub air: &'s Medium,
+    /// Reference temperature `T_r` [K].
+    pub reference_k: f32,
+    /// Temperature of the walls at the start over the reference [K].
+    pub start_theta_k: f32,
+    /// States, in the direction of the air.
+    pub walls: &'s mut [WallState],
+    /// Figures.
+    pub figures: &'s mut [WallFigures],
+}
+
+impl Coil<'_> {
+    /// Derives the temperatures of all walls from their states and clears what reached them.
+    pub fn begin(&mut self) {
+        let wall = self.condenser.capacity_j_k * (1.0 / CELLS as f32);
+        let heat = self.air.flowing_j_kg_k[LIQUID];
+        for ([energy, _, film, _], figures) in self.walls.iter().zip(self.figures.iter_mut()) {
+            let stored = wall * self.start_theta_k + *energy + *film * self.air.latent_j_kg;
+            *figures = [stored / (wall + *film * heat), 0.0, 0.0];
+        }
+    }
+
+    /// Passes air through the coil for `step_s` [s] at `pressure_pa` [Pa], `reversed` from its outlet to its inlet:
+    /// changes the stream, books heat and water at the walls.
+    pub fn pass_air(&mut self, stream: &mut Stream, step_s: f32, pressure_pa: f32, reversed: bool) {
+        let dry = stream.dry_kg();
+        let flow = dry / step_s;
+        if flow < LEAST_FLOW_KG_S {
+            return;
+        }
+        let data = self.condenser;
+        let heats = &self.air.flowing_j_kg_k;
+        let vapour_heat = heats[VAPOUR];
+        // Droplets that an earlier coil lost pass unchanged.
+        let droplets = stream.mass_kg[LIQUID];
+        let mut theta = stream.theta_k(self.air);
+        let droplet_energy = droplets * (heats[LIQUID] * theta - self.air.latent_j_kg);
+        let mut vapour = stream.vapour_kg();
+        let capacity = stream.capacity_j_k(self.air) - heats[LIQUID] * droplets;
+        let dry_capacity = capacity - vapour_heat * vapour;
+        let conductance = data.air_w_k * math::pow(flow * (1.0 / data.air_reference_kg_s), data.air_exponent);
+        let contact = Condenser::contact(conductance * step_s, capacity);
+        let bypass = 1.0 - contact;
+        let full = CELLS as f32 / data.film_kg;
+        let mut before = stream.energy_j - droplet_energy;
+        for place in 0..CELLS {
+            let index = if reversed { CELLS - 1 - place } else { place };
+            let (Some([wall, heat, water]), Some([_, _, film, _])) =
+                (self.figures.get_mut(index), self.walls.get(index))
+            else {
+                continue;
+            };
+            let saturation = moist::saturation_pressure_pa(self.reference_k + *wall);
+            let excess = vapour - dry * moist::humidity_ratio(saturation, pressure_pa);
+            // More than saturation condenses; less evaporates a film, where there is one and not more than there is.
+            let wet = if excess > 0.0 { 1.0 } else { math::smaller(*film * full, 1.0) };
+            let condensed = math::larger(contact * wet * excess, -*film);
+            vapour -= condensed;
+            theta = *wall + bypass * (theta - *wall);
+            let after = (dry_capacity + vapour_heat * vapour) * theta;
+            *heat += before - after;
+            *water += condensed;
+            before = after;
+        }
+        stream.mass_kg[VAPOUR] = vapour;
+        stream.energy_j = before + droplet_energy;
+    }
+
+    /// Passes coolant through the coil against the air for `step_s` [s]: changes the stream, books heat at the walls.
+    pub fn pass_coolant(&mut self, stream: &mut Stream, step_s: f32, coolant: &Medium) {
+        let [mass, ..] = stream.mass_kg;
+        let flow = mass / step_s;
+        if flow < LEAST_FLOW_KG_S {
+            return;
+        }
+        let data = self.condenser;
+        let conductance =
+            data.coolant_w_k * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
+        let capacity = stream.capacity_j_k(coolant);
+        let remaining = 1.0 - Condenser::contact(conductance * step_s, capacity);
+        let (mut theta, mut before) = (stream.theta_k(coolant), stream.energy_j);
+        for [wall, heat, _] in self.figures.iter_mut().rev() {
+            theta = *wall + remaining * (theta - *wall);
+            let after = capacity * theta;
+            *heat += before - after;
+            before = after;
+        }
+        stream.energy_j = before;
+    }
+
+    /// Moves heat and water into the walls and drains what the films cannot hold.
+    pub fn settle(&mut self) -> Drained {
+        let heat = self.air.flowing_j_kg_k[LIQUID];
+        let limit = self.condenser.film_kg * (1.0 / CELLS as f32);
+        let mut drained = Drained::default();
+        for ([energy, energy_carry, film, film_carry], [theta, given, water]) in
+            self.walls.iter_mut().zip(self.figures.iter())
+        {
+            let over = math::larger(*film + *water - limit, 0.0);
+            let carried = over * (heat * *theta - self.air.latent_j_kg);
+            math::compensated_add(energy, energy_carry, *given);
+            math::compensated_add(energy, energy_carry, -carried);
+            math::compensated_add(film, film_carry, *water);
+            math::compensated_add(film, film_carry, -over);
+            drained.water_kg += over;
+            drained.energy_j += carried;
+        }
+        drained
+    }
+}

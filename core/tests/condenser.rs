@@ -1,0 +1,116 @@
+//! The condensing heat exchanger against its effectiveness table, its limits and its balances.
+
+#[path = "support/effectiveness.rs"]
+mod effectiveness;
+
+use eclss_core::climate::condenser::Condenser;
+use effectiveness::{AT_67_F, AT_75_F, Inlet, at_rest, errors, kelvin, largest_and_mean};
+
+const CCAA: Condenser = Condenser::CCAA;
+
+#[test]
+fn rows_that_were_not_fitted_come_out_within_five_percent() {
+    let (largest, mean) = largest_and_mean(&errors(&CCAA, 75.0, &AT_75_F, |rest| rest.by_temperature));
+    println!("75 °F by temperature: largest {largest}, mean {mean}");
+    assert!(largest <= 0.05 && mean <= 0.02);
+}
+
+/// The fit of `cargo run --release -p eclss-core --example fit_condenser` by the other reading of the effectiveness.
+const BY_ENTHALPY: Condenser =
+    Condenser { air_w_k: 562.0, air_exponent: 0.9985, coolant_w_k: 42_752.0, ..CCAA };
+
+#[test]
+fn the_temperature_reading_fits_better_than_the_enthalpy_reading() {
+    let (largest, temperature) = largest_and_mean(&errors(&CCAA, 67.0, &AT_67_F, |rest| rest.by_temperature));
+    let (other, enthalpy) = largest_and_mean(&errors(&BY_ENTHALPY, 67.0, &AT_67_F, |rest| rest.by_enthalpy));
+    println!("67 °F, fitted: {largest}, mean {temperature} by temperature; {other}, {enthalpy} by enthalpy");
+    assert!(temperature < enthalpy && largest < other);
+    let (other, enthalpy) = largest_and_mean(&errors(&BY_ENTHALPY, 75.0, &AT_75_F, |rest| rest.by_enthalpy));
+    println!("75 °F: {other}, mean {enthalpy} by enthalpy");
+    assert!(other > 0.05 && enthalpy > 0.02);
+}
+
+/// Conditions over the whole range in which a cabin's exchanger works.
+fn conditions() -> impl Iterator<Item = Inlet> {
+    let flows = [0.02f32, 0.1, 0.2];
+    flows.into_iter().flat_map(|air_m3_s| {
+        [0.074f32, 0.1, 0.145].into_iter().flat_map(move |coolant_kg_s| {
+            [18.0f32, 22.0, 26.0].into_iter().flat_map(move |air_c| {
+                [3.0f32, 9.0, 15.0].into_iter().map(move |dew_point_c| Inlet {
+                    air_k: 273.15 + air_c,
+                    dew_point_k: 273.15 + dew_point_c,
+                    air_m3_s,
+                    coolant_k: 277.4,
+                    coolant_kg_s,
+                })
+            })
+        })
+    })
+}
+
+#[test]
+fn heat_and_water_balance_over_a_whole_run() {
+    for inlet in conditions() {
+        let rest = at_rest(&CCAA, inlet, 6_000, 0.2);
+        let [energy, water] = rest.unbalance;
+        // What is left is the rounding of the streams' own sums.
+        assert!(energy.abs() < 2e-6 && water.abs() < 2e-6, "{inlet:?}: {rest:?}");
+    }
+}
+
+#[test]
+fn air_leaves_no_colder_than_the_coolant_and_no_wetter_than_it_came() {
+    for inlet in conditions() {
+        let rest = at_rest(&CCAA, inlet, 1_500, 0.2);
+        assert!(rest.air_out_k >= inlet.coolant_k - 1e-3, "{inlet:?}: {rest:?}");
+        assert!(rest.humidity_out <= rest.humidity_in, "{inlet:?}: {rest:?}");
+        assert!(rest.coolant_out_k <= inlet.air_k, "{inlet:?}: {rest:?}");
+    }
+}
+
+#[test]
+fn a_coil_above_the_dew_point_stays_dry() {
+    for inlet in conditions() {
+        let dry = Inlet { dew_point_k: inlet.coolant_k - 0.1, ..inlet };
+        let rest = at_rest(&CCAA, dry, 1_500, 0.2);
+        assert!(rest.condensed_kg_s.abs() < f32::MIN_POSITIVE && rest.drained_kg_s.abs() < f32::MIN_POSITIVE);
+    }
+}
+
+#[test]
+fn more_coolant_never_warms_the_air_or_dries_it_less() {
+    for inlet in conditions().filter(|inlet| inlet.coolant_kg_s < 0.08) {
+        let mut last = at_rest(&CCAA, Inlet { coolant_kg_s: 0.05, ..inlet }, 1_500, 0.2);
+        for step in 1..=8 {
+            let coolant_kg_s = 0.05 + 0.0125 * step as f32;
+            let rest = at_rest(&CCAA, Inlet { coolant_kg_s, ..inlet }, 1_500, 0.2);
+            assert!(rest.air_out_k <= last.air_out_k + 2e-4, "{inlet:?} at {coolant_kg_s}");
+            assert!(rest.condensed_kg_s >= last.condensed_kg_s - 1e-9, "{inlet:?} at {coolant_kg_s}");
+            last = rest;
+        }
+    }
+}
+
+#[test]
+fn a_dry_coil_is_the_counterflow_exchanger_of_the_textbooks() {
+    // ε = (1 − e^(−N(1−c)))/(1 − c·e^(−N(1−c))), Kays and London, with the conductances of both sides in series.
+    let inlet = Inlet {
+        air_k: 297.0,
+        dew_point_k: kelvin(33.0),
+        air_m3_s: 0.15,
+        coolant_k: 277.6,
+        coolant_kg_s: 0.075_6,
+    };
+    let rest = at_rest(&CCAA, inlet, 1_500, 0.2);
+    let dry = 0.15 * (101_325.0 - 634.0) / (287.05 * 297.0);
+    let air = rest.air_w / (297.0 - rest.air_out_k);
+    let water = 0.075_6 * 4_186.0;
+    let conductance =
+        1.0 / (1.0 / (CCAA.air_w_k * (dry / 0.1f32).powf(CCAA.air_exponent)) + 1.0 / CCAA.coolant_w_k);
+    let (least, most) = (air.min(water), air.max(water));
+    let (n, c) = (conductance / least, least / most);
+    let decay = (-n * (1.0 - c)).exp();
+    let effectiveness = (1.0 - decay) / (1.0 - c * decay);
+    println!("{} against {effectiveness}", rest.by_temperature);
+    assert!((rest.by_temperature / effectiveness - 1.0).abs() < 0.01);
+}
