@@ -31,6 +31,7 @@ extern crate std;
 
 pub mod air;
 pub mod climate;
+pub mod control;
 pub mod element;
 pub mod example;
 mod fingerprint;
