@@ -52,6 +52,7 @@ mod storage;
 
 pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, StdElement};
 pub use fingerprint::Fingerprint;
+pub use method::adaptive::split::{InTurn, Join, SplitBuffers};
 pub use method::{Method, MethodError};
 pub use network::{Active, Line, Network, NetworkError, Segment};
 pub use node::{Node, NodeKind};
@@ -60,6 +61,6 @@ pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
 pub use simulator::{
     BuildError, CheckpointError, Compiled, CompiledSimulator, Fault, Health, InputError, LiveInput, Place,
-    Settings, Simulator,
+    Settings, Simulator, SplitSimulator,
 };
 pub use storage::{Buffers, Sizes, Storage};

@@ -79,6 +79,26 @@ impl Method {
         Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
 
+    /// The same for buffers of these lengths that were cut by [`Self::sizes`], without a look at every line of a
+    /// large network. `KNOWN` says that the compiler knows the description.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
+    pub(crate) fn step_sizes<E: Element, const KNOWN: bool>(
+        self,
+        network: &Network<'_, E>,
+        state: usize,
+        work: usize,
+    ) -> Sizes {
+        let (state, work) = match self {
+            Self::Adaptive if KNOWN && network.segments.len() <= adaptive::FEW => {
+                adaptive::sizes_known(network)
+            }
+            Self::Adaptive => (state, work),
+            _ => return self.sizes(network),
+        };
+        Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
+    }
+
     /// Finds out whether the method takes this network with a step of `step_us` [µs].
     pub fn check<E: Element>(self, network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
         match self {

@@ -2,9 +2,11 @@
 
 mod checkpoint;
 mod live;
+mod split;
 
 pub use checkpoint::CheckpointError;
 pub use live::{InputError, LiveInput};
+pub use split::SplitSimulator;
 
 use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
@@ -213,11 +215,30 @@ impl<'a, E: Element> Simulator<'a, E> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "specialised for a compiled description")]
     fn advance<const UNROLL: bool>(&mut self, network: &Network<'_, E>, settings: Settings) -> Health {
+        self.advance_by::<UNROLL>(network, settings, |h, state, work, stages| match settings.method {
+            Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, stages.start),
+            Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, stages.start),
+            Method::Adaptive => adaptive::step::<E, UNROLL>(network, h, state, work, stages.start),
+            Method::ImplicitEuler | Method::TrBdf2 => {
+                implicit::step::<E, UNROLL>(network, settings.method, h, state, work, stages)
+            }
+        })
+    }
+
+    /// Advances by one step that `step` takes, given h [s], state, work and inputs.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "specialised for a compiled description")]
+    fn advance_by<const UNROLL: bool>(
+        &mut self,
+        network: &Network<'_, E>,
+        settings: Settings,
+        step: impl FnOnce(f32, &mut [f32], &mut [f32], StageInputs<'_>) -> (Margin, Option<Place>),
+    ) -> Health {
         if self.health != Health::Trusted {
             return self.health;
         }
         // The lengths are what they were when the simulator was built; said again they are known here.
-        let sizes = settings.method.sizes(network);
+        let sizes = settings.method.step_sizes::<E, UNROLL>(network, self.state.len(), self.work.len());
         let (Some(state), Some(work), Some(inputs), Some(cursors)) = (
             self.state.get_mut(..sizes.state),
             self.work.get_mut(..sizes.work),
@@ -230,19 +251,7 @@ impl<'a, E: Element> Simulator<'a, E> {
         let h = settings.step_us as f32 * 1e-6;
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
-        let (margin, place) = match settings.method {
-            Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
-            Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, start),
-            Method::Adaptive => adaptive::step(network, h, state, work, start),
-            Method::ImplicitEuler | Method::TrBdf2 => implicit::step::<E, UNROLL>(
-                network,
-                settings.method,
-                h,
-                state,
-                work,
-                StageInputs { start, middle, end },
-            ),
-        };
+        let (margin, place) = step(h, state, work, StageInputs { start, middle, end });
         self.margin = margin;
         self.worst_margin = if self.tick == 0 { margin } else { self.worst_margin.with(margin) };
         self.unproven_ticks += u64::from(margin.proof == Proof::None);

@@ -79,7 +79,9 @@ impl Controller {
     pub fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Pid(pid) => pid.check(),
-            Self::Thermostat(thermostat) => ParameterError::unless_positive("half_band", thermostat.half_band),
+            Self::Thermostat(thermostat) => {
+                ParameterError::unless_positive("half_band", thermostat.half_band)
+            }
         }
     }
 

@@ -13,12 +13,26 @@
 //! the secant is what carries the proof, the tangent dw/dy fails). A node with φ < 1 behaves as if its volume
 //! were V/φ: that part of its storage is fictitious and booked as such. Volumes and inertances inside lines
 //! are not used.
+//!
+//! Two ways to the same bits: [`step`] goes over the lines once and adds what they carry to the nodes at once, which is
+//! the least work for one processor; [`split`] lets ranges of lines and then ranges of nodes be stepped side by
+//! side, with every node gathering in the order of the lines.
 
-use super::common::{self, Common, Cut, LineState, NodeState};
+mod layout;
+mod line;
+mod node;
+pub(crate) mod split;
+
+use super::common::{self, NodeState};
 use crate::element::{Element, Law, Operating};
-use crate::operator::{self, Margin};
+use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
-use crate::{Line, Method, MethodError, Network, math};
+use crate::{Line, Method, MethodError, Network, Segment, math};
+
+pub(crate) use layout::State;
+use layout::{LineLaw, LineState, NodeFigures, Special, Sum, Work};
+use line::{add, constant_sums, index_of, set_sums, special_flow, step_plain, step_special, sums_of};
+use node::{Range, Watch, move_node};
 
 /// Safety factor of the operator; the proof holds up to 2(√2 − 1).
 const THETA: f32 = 0.8;
@@ -33,25 +47,35 @@ const SMALLEST_DRIVE_PA: f32 = 1e-9;
 /// How often a line whose law follows its flow is asked again within a step.
 const INNER_ITERATIONS: u32 = 3;
 
-/// Figures of a node: pressure [Pa gauge]; net transfer of this step and what its sum lost [kg]; ΣG
-/// [kg/(s·Pa)]; dp/dm [Pa/kg]; h·c/θ (times ΣG the node's stiffness over θ); pressure at the start [Pa gauge];
-/// φ of the last step.
-pub(crate) const NODE_FIGURES: usize = 8;
-type NodeFigures = [f32; NODE_FIGURES];
+/// Segments that a compiler that knows a description certainly looks at one by one; of a larger description it is
+/// cheaper not to ask what lines are made of.
+pub(crate) const FEW: usize = 32;
 
-/// ΣR and ΣL for forward flow, both for reverse flow, and Σf of a line.
-type Sums = [f32; 5];
+/// Figures of a node in the work: see [`layout::NodeFigures`].
+pub(crate) const NODE_FIGURES: usize = size_of::<NodeFigures>() / size_of::<f32>();
 
-/// Figures of a line: ΣR forward; Σf; smallest driving pressure at which its law is not linear [Pa], negative
-/// for a line that is not plain; then what only those need: ΣL forward, ΣR and ΣL reverse, ratio of inlet and of
-/// outlet flow to the line's flow, when forward.
-///
-/// A plain line drains nothing, has no linear loss and resists alike in both directions.
-type LineFigures = [f32; 8];
-
+#[inline(never)]
 pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
-    let (nodes, lines) = (network.nodes.len(), network.lines.len());
-    (Common::length(network), NODE_FIGURES * nodes + (8 + 5) * lines)
+    sizes_known(network)
+}
+
+/// The same, folded where the compiler knows a small description.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn sizes_known<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
+    let special = network.lines.iter().filter(|line| layout::is_special(network, line)).count();
+    layout::lengths(network.nodes.len(), network.lines.len(), special)
+}
+
+/// Where a line stands among the special ones, as the work says.
+pub(crate) fn special_index<E: Element>(
+    network: &Network<'_, E>,
+    line: usize,
+    work: &[f32],
+) -> Option<usize> {
+    let special = network.lines.get(line).is_some_and(|line| layout::is_special(network, line));
+    let place = work.get(Work::law_at(network.nodes.len(), line)).filter(|_| special);
+    place.map(|place| place.to_bits() as usize)
 }
 
 pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
@@ -68,21 +92,6 @@ pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Resul
     Method::refuse_junctions(network)
 }
 
-struct Work<'w> {
-    nodes: &'w mut [NodeFigures],
-    lines: &'w mut [LineFigures],
-    /// The part of every line's sums that never changes.
-    constant: &'w mut [Sums],
-}
-
-impl<'w> Work<'w> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
-        let cut = &mut Cut(buffer);
-        let (nodes, lines) = (cut.take_rows(network.nodes.len()), cut.take_rows(network.lines.len()));
-        Self { nodes, lines, constant: cut.take_rows(network.lines.len()) }
-    }
-}
-
 /// Sets the start state and everything that stays constant during a run.
 pub(crate) fn start<E: Element>(
     network: &Network<'_, E>,
@@ -93,118 +102,203 @@ pub(crate) fn start<E: Element>(
 ) {
     state.fill(0.0);
     work.fill(0.0);
-    let state = Common::cut(network, &mut Cut(state));
+    let state = State::of(network, state);
     let work = Work::of(network, work);
     for (node, figures) in network.nodes.iter().zip(work.nodes) {
-        let per_mass = node.pressure_per_mass_pa_kg();
-        let start = node.start_gauge_pa;
-        *figures = [start, 0.0, 0.0, 0.0, per_mass, h * per_mass / THETA, start, 1.0];
+        let (start, per_mass) = (node.start_gauge_pa, node.pressure_per_mass_pa_kg());
+        *figures = [start, 0.0, 0.0, 0.0, start, per_mass, h * per_mass / THETA, 1.0];
     }
-    let lines = state.lines.iter_mut().zip(work.constant).zip(work.lines);
-    for (line, (([flow, ..], constant), figures)) in network.lines.iter().zip(lines) {
+    let mut specials = (0u32..).zip(work.specials);
+    for (((index, line), [flow, ..]), law) in (0u32..).zip(network.lines).zip(state.lines).zip(work.laws) {
         *flow = line.start_flow_kg_s;
+        let smallest = math::larger(line.laminar_below_pa, SMALLEST_DRIVE_PA);
+        let mut sums = [0.0; 5];
         let mut inlet = 1.0;
-        let outlet = common::flow_ratios(network, line, |index, segment, ratio| {
-            if index == 0 {
+        let outlet = common::flow_ratios(network, line, |place, segment, ratio| {
+            if place == 0 {
                 inlet = ratio;
             }
             if !segment.element.is_active() {
                 let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
                 let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 });
-                add(constant, &law, ratio);
+                add(&mut sums, &law, ratio);
             }
         });
-        let smallest = math::larger(line.laminar_below_pa, SMALLEST_DRIVE_PA);
-        *figures = [0.0, 0.0, smallest, 0.0, 0.0, 0.0, inlet, outlet];
-        set_sums(figures, constant);
+        let [resistance, .., head] = sums;
+        *law = [resistance, head, smallest];
+        if layout::is_special(network, line)
+            && let Some((place, special)) = specials.next()
+        {
+            let [forward, forward_linear, reverse, reverse_linear, head] = sums;
+            *law = [f32::from_bits(place), 0.0, smallest];
+            *special = [
+                f32::from_bits(index),
+                inlet,
+                outlet,
+                forward,
+                forward_linear,
+                reverse,
+                reverse_linear,
+                head,
+                forward,
+                forward_linear,
+                reverse,
+                reverse_linear,
+                head,
+            ];
+        }
     }
-}
-
-/// Adds a law whose forward flow is `ratio` times the line's to the line's sums.
-fn add(sums: &mut Sums, law: &Law, ratio: f32) {
-    let [forward, forward_linear, reverse, reverse_linear, head] = sums;
-    *forward += law.resistance * (ratio * ratio);
-    *forward_linear += law.linear * ratio;
-    *reverse += law.resistance;
-    *reverse_linear += law.linear;
-    *head += law.head;
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn step<E: Element>(
+pub(crate) fn step<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     h: f32,
     state: &mut [f32],
     work: &mut [f32],
     inputs: &[f32],
 ) -> (Margin, Option<Place>) {
-    let state = Common::cut(network, &mut Cut(state));
-    let work = &mut Work::of(network, work);
-    if !network.active.is_empty() {
-        refresh(network, inputs, state.lines, work);
-        iterate(network, inputs, state.lines, work);
-    }
-    let flows = step_lines(h, network.lines, work.lines, work.nodes, state.lines);
-    let (phi, pressures, lowest) = step_nodes(state.nodes, work.nodes);
-    // Three figures tell whether anything may be wrong; only then is it looked for.
-    let fine = flows < Fault::FLOW_LIMIT_KG_S * Fault::FLOW_LIMIT_KG_S
-        && pressures < Fault::GAUGE_LIMIT_PA * Fault::GAUGE_LIMIT_PA
-        && lowest >= -network.reference_pa;
-    let place = if fine { None } else { first_outside(state.lines, work.nodes, network.reference_pa) };
-    (Margin::by_construction(phi), place)
+    let mut state = State::of(network, state);
+    let mut work = Work::of(network, work);
+    ask_laws::<E, UNROLL>(network, inputs, state.lines, &mut work);
+    let mut watch = Watch::NOTHING;
+    step_lines(h, network.lines, &mut state, &mut work, &mut watch);
+    let range = Range::of(network.reference_pa);
+    // A loop that stands alone has all registers of a small processor; a description that the compiler knows is
+    // better off without the call.
+    let step_nodes = if UNROLL { step_nodes } else { step_nodes_alone };
+    watch = step_nodes(range, state.nodes, work.nodes, watch);
+    (
+        Margin::by_construction(watch.smallest_phi()),
+        outside(watch, network.reference_pa, state.lines, work.nodes),
+    )
 }
 
-/// Sums of a line in the order in which laws are added to them.
-fn sums_of(figures: &LineFigures) -> Sums {
-    let &[forward, head, _, forward_linear, reverse, reverse_linear, _, _] = figures;
-    [forward, forward_linear, reverse, reverse_linear, head]
+#[inline(never)]
+fn step_nodes_alone(
+    range: Range,
+    states: &mut [NodeState],
+    figures: &mut [NodeFigures],
+    watch: Watch,
+) -> Watch {
+    step_nodes(range, states, figures, watch)
 }
 
-/// Puts sums into a line's figures and marks whether it is plain.
-fn set_sums(figures: &mut LineFigures, sums: &Sums) {
-    let [forward, forward_linear, reverse, reverse_linear, head] = *sums;
-    let &mut [_, _, smallest, _, _, _, inlet, outlet] = figures;
-    let alike = (forward - reverse).abs() <= 0.0 && forward_linear + reverse_linear <= 0.0;
-    let plain = alike && inlet <= outlet;
-    let smallest = if plain { smallest.abs() } else { -smallest.abs() };
-    *figures = [forward, head, smallest, forward_linear, reverse, reverse_linear, inlet, outlet];
-}
-
-/// Evaluates the laws that may have changed, at the flows of the last step.
+/// Moves all nodes by what arrived at them, and clears it.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn refresh<E: Element>(network: &Network<'_, E>, inputs: &[f32], states: &[LineState], work: &mut Work<'_>) {
-    for active in network.active {
-        let line = active.line as usize;
-        if let (Some(figures), Some(constant)) = (work.lines.get_mut(line), work.constant.get(line)) {
-            set_sums(figures, constant);
-        }
+fn step_nodes(
+    range: Range,
+    states: &mut [NodeState],
+    figures: &mut [NodeFigures],
+    mut watch: Watch,
+) -> Watch {
+    let mut square = 0.0;
+    for (state, figures) in states.iter_mut().zip(figures) {
+        let [pressure, net, lost, conductance, start, per_mass, rate, last] = figures;
+        (*pressure, *last) = move_node(state, [*start, *per_mass, *rate], [*net, *lost, *conductance]);
+        (*net, *lost, *conductance) = (0.0, 0.0, 0.0);
+        watch.node_but_square(range, *pressure, *last);
+        square += *pressure * *pressure;
     }
-    for active in network.active {
+    watch.squares(square, Fault::GAUGE_LIMIT_PA);
+    watch
+}
+
+/// The first value that left its range; only looked for when there may be one.
+fn outside(watch: Watch, reference_pa: f32, lines: &[LineState], nodes: &[NodeFigures]) -> Option<Place> {
+    if watch.is_fine() { None } else { first_outside(lines, nodes, reference_pa) }
+}
+
+/// States the laws that may have changed, at the flows of the last step.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn ask_laws<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+    states: &mut [LineState],
+    work: &mut Work<'_>,
+) {
+    if network.active.is_empty() {
+        return;
+    }
+    refresh::<E, UNROLL>(network, inputs, states, work);
+    iterate::<E, UNROLL>(network, inputs, states, work);
+}
+
+/// The special line that an active segment belongs to.
+fn special_of<'w>(line: usize, laws: &[LineLaw], specials: &'w mut [Special]) -> Option<&'w mut Special> {
+    laws.get(line).and_then(|[place, ..]| specials.get_mut(place.to_bits() as usize))
+}
+
+/// `UNROLL` walks all segments, for a description known to the compiler, which then keeps only those that are
+/// active; the order is the same.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn refresh<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+    states: &[LineState],
+    work: &mut Work<'_>,
+) {
+    if UNROLL && network.segments.len() <= FEW {
+        let mut specials = work.specials.iter_mut();
+        for (line, [w, ..]) in network.lines.iter().zip(states) {
+            if layout::is_special(network, line)
+                && let Some(special) = specials.next()
+            {
+                let mut sums = constant_sums(special);
+                for (place, segment) in (line.first_segment..).zip(network.segments_of(line)) {
+                    if segment.element.is_active() {
+                        let ratio = ratio_at(network, line, place, special);
+                        add(&mut sums, &law_at(segment, inputs, ratio, *w), ratio);
+                    }
+                }
+                set_sums(special, sums);
+            }
+        }
+        return;
+    }
+    // The active segments of a line follow each other.
+    let mut sums = [0.0; 5];
+    let mut before = u32::MAX;
+    let mut rest = network.active.iter();
+    while let Some(active) = rest.next() {
         let line = active.line as usize;
-        let (Some(segment), Some(description), Some(&[w, ..]), Some(figures)) = (
+        let (Some(segment), Some(description), Some(&[w, ..]), Some(special)) = (
             network.segments.get(active.segment as usize),
             network.lines.get(line),
             states.get(line),
-            work.lines.get_mut(line),
+            special_of(line, work.laws, work.specials),
         ) else {
             continue;
         };
-        let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-        let ratio = ratio_at(network, description, active.segment, figures);
-        let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
-        let law = segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 });
-        let mut sums = sums_of(figures);
-        add(&mut sums, &law, ratio);
-        set_sums(figures, &sums);
+        if active.line != before {
+            sums = constant_sums(special);
+            before = active.line;
+        }
+        let ratio = ratio_at(network, description, active.segment, special);
+        add(&mut sums, &law_at(segment, inputs, ratio, w), ratio);
+        if rest.as_slice().first().is_none_or(|next| next.line != active.line) {
+            set_sums(special, sums);
+        }
     }
 }
 
+/// Law of a segment whose forward flow is `ratio` times the line's, `w` [kg/s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn law_at<E: Element>(segment: &Segment<E>, inputs: &[f32], ratio: f32, w: f32) -> Law {
+    let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+    let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
+    segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
+}
+
 /// Ratio of the flow at a segment to the line's flow; 1 wherever the line drains nothing.
-fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, figures: &LineFigures) -> f32 {
-    let [.., inlet, outlet] = *figures;
+fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, special: &Special) -> f32 {
+    let &[_, inlet, outlet, ..] = special;
     if inlet <= outlet {
         return 1.0;
     }
@@ -220,7 +314,7 @@ fn ratio_at<E: Element>(network: &Network<'_, E>, line: &Line, segment: u32, fig
 /// step does not depend on how far this has converged: G is always w/y of the flow that is used.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn iterate<E: Element>(
+fn iterate<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     inputs: &[f32],
     states: &mut [LineState],
@@ -235,15 +329,17 @@ fn iterate<E: Element>(
                 continue;
             }
             let line = active.line as usize;
-            if let (Some(description), Some([w, ..]), Some(figures)) =
-                (network.lines.get(line), states.get_mut(line), work.lines.get(line))
-            {
-                let pressure =
-                    |node: u32| work.nodes.get(node as usize).map_or(0.0, |[pressure, ..]| *pressure);
-                (*w, _) = flow_of(pressure(description.from) - pressure(description.to), figures);
+            let law = work.laws.get(line).copied();
+            if let (Some(description), Some([w, ..]), Some([_, _, smallest]), Some(special)) = (
+                network.lines.get(line),
+                states.get_mut(line),
+                law,
+                special_of(line, work.laws, work.specials),
+            ) {
+                (*w, _) = special_flow(difference(description, work.nodes), &sums_of(special), smallest);
             }
         }
-        refresh(network, inputs, states, work);
+        refresh::<E, UNROLL>(network, inputs, states, work);
     }
 }
 
@@ -251,65 +347,91 @@ fn follows_flow<E: Element>(network: &Network<'_, E>, segment: u32) -> bool {
     network.segments.get(segment as usize).is_some_and(|segment| segment.element.follows_flow())
 }
 
-/// Flow [kg/s] and secant conductance [kg/(s·Pa)] of any line over the pressure difference of its nodes [Pa].
-fn flow_of(difference: f32, figures: &LineFigures) -> (f32, f32) {
-    let &[forward, head, smallest, forward_linear, reverse, reverse_linear, _, _] = figures;
-    let y = difference + head;
-    let (quadratic, linear) = if y > 0.0 { (forward, forward_linear) } else { (reverse, reverse_linear) };
-    let drive = math::larger(y.abs(), smallest.abs());
-    let conductance = 2.0 / (linear + math::sqrt(linear * linear + 4.0 * (quadratic * drive)));
-    (y * conductance, conductance)
+/// Pressure difference between the nodes of a line [Pa].
+fn difference(line: &Line, nodes: &[NodeFigures]) -> f32 {
+    let pressure = |node: u32| nodes.get(node as usize).map_or(0.0, |[pressure, ..]| *pressure);
+    pressure(line.from) - pressure(line.to)
 }
 
-/// Steps lines between pressures that do not move meanwhile, books them, and adds their transfers and
-/// conductances to the nodes at their ends. A node's terms are added in the order of the lines. Returns Σw², which
-/// is not a small number when any flow is not.
+/// Steps all lines between pressures that do not move meanwhile, books them, and adds their transfers and
+/// conductances to the nodes at their ends. A node's terms are added in the order of the lines.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn step_lines(
+fn step_lines(h: f32, lines: &[Line], state: &mut State<'_>, work: &mut Work<'_>, watch: &mut Watch) {
+    let nodes = &mut *work.nodes;
+    let specials = work.specials.iter().zip(state.drained.iter_mut());
+    if specials.len() == lines.len() {
+        // Nothing to look up, least of all where the compiler knows the description.
+        for (((line, law), state), (special, drained)) in
+            lines.iter().zip(work.laws.iter()).zip(state.lines.iter_mut()).zip(specials)
+        {
+            step_one(h, line, law, special, (state, drained), nodes, watch);
+        }
+        return;
+    }
+    let (mut lines, mut laws, mut states) = (lines, &*work.laws, &mut *state.lines);
+    let (mut first, mut square) = (0, 0.0);
+    for (special, drained) in specials {
+        let before = index_of(special).wrapping_sub(first) as usize;
+        let (Some((run, [line, later @ ..])), Some((run_laws, [law, later_laws @ ..]))) =
+            (lines.split_at_checked(before), laws.split_at_checked(before))
+        else {
+            return;
+        };
+        let Some((run_states, [state, later_states @ ..])) = states.split_at_mut_checked(before) else {
+            return;
+        };
+        if !run.is_empty() {
+            square += step_run(h, run, run_laws, run_states, nodes);
+        }
+        step_one(h, line, law, special, (state, drained), nodes, watch);
+        (lines, laws, states) = (later, later_laws, later_states);
+        first = index_of(special).wrapping_add(1);
+    }
+    if !lines.is_empty() {
+        square += step_run(h, lines, laws, states, nodes);
+    }
+    watch.squares(square, Fault::FLOW_LIMIT_KG_S);
+}
+
+/// The same for one special line.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn step_one(
+    h: f32,
+    line: &Line,
+    [_, _, smallest]: &LineLaw,
+    special: &Special,
+    (state, drained): (&mut LineState, &mut Sum),
+    nodes: &mut [NodeFigures],
+    watch: &mut Watch,
+) {
+    let [taken, given] = step_special(h, difference(line, nodes), special, *smallest, state, drained);
+    watch.flow(state[0]);
+    arrive(nodes, line.from as usize, taken);
+    arrive(nodes, line.to as usize, given);
+}
+
+/// The same for a run of lines that are not special. Returns Σw², which is not a small number when any flow is
+/// not. Stands alone because the loop needs all registers of a small processor.
+#[inline(never)]
+fn step_run(
     h: f32,
     lines: &[Line],
-    figures: &[LineFigures],
-    nodes: &mut [NodeFigures],
+    laws: &[LineLaw],
     states: &mut [LineState],
+    nodes: &mut [NodeFigures],
 ) -> f32 {
     let mut square = 0.0;
-    for ((line, figures), state) in lines.iter().zip(figures).zip(states) {
+    for ((line, law), state) in lines.iter().zip(laws).zip(states) {
         let (from, to) = (line.from as usize, line.to as usize);
-        let (Some(&[p_from, ..]), Some(&[p_to, ..])) = (nodes.get(from), nodes.get(to)) else { continue };
-        let &[resistance, head, smallest, ..] = figures;
-        if smallest < 0.0 {
-            let [taken, given] = step_special(h, p_from - p_to, figures, state);
-            arrive(nodes, from, taken);
-            arrive(nodes, to, given);
-            square += state[0] * state[0];
-            continue;
-        }
-        let y = (p_from - p_to) + head;
-        let conductance = 1.0 / math::sqrt(resistance * math::larger(y.abs(), smallest));
-        let w = y * conductance;
-        let passed = h * w;
-        let [flow, _, given_sum, given_carry, ..] = state;
-        *flow = w;
-        math::compensated_add(given_sum, given_carry, passed);
+        let (Some(&[p_from, ..]), Some(&[p_to, ..])) = (nodes.get(from), nodes.get(to)) else { break };
+        let [w, passed, conductance] = step_plain(h, p_from - p_to, law, state);
         arrive(nodes, from, [-passed, conductance]);
         arrive(nodes, to, [passed, conductance]);
         square += w * w;
     }
     square
-}
-
-/// The same for a line that is not plain. Returns transfer and conductance at both ends.
-#[inline(never)]
-fn step_special(h: f32, difference: f32, figures: &LineFigures, state: &mut LineState) -> [[f32; 2]; 2] {
-    let (w, conductance) = flow_of(difference, figures);
-    let &[.., inlet, outlet] = figures;
-    let [inlet, outlet] = if w > 0.0 { [inlet, outlet] } else { [1.0, 1.0] };
-    let passed = h * w;
-    let (taken, given) = (inlet * passed, outlet * passed);
-    state[0] = w;
-    common::book(state, given, taken - given);
-    [[-taken, inlet * conductance], [given, outlet * conductance]]
 }
 
 /// Adds one end of a line to its node.
@@ -320,32 +442,6 @@ fn arrive(nodes: &mut [NodeFigures], node: usize, [transfer, conductance]: [f32;
         math::compensated_add(net, lost, transfer);
         *sum += conductance;
     }
-}
-
-/// Moves nodes by what arrived at them and clears it. Returns the smallest φ, Σp², which is not a small
-/// number when any pressure is not, and the lowest pressure [Pa gauge, ≤ 0].
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn step_nodes(states: &mut [NodeState], figures: &mut [NodeFigures]) -> (f32, f32, f32) {
-    let (mut smallest, mut square, mut lowest) = (1.0f32, 0.0f32, 0.0f32);
-    for (state, figures) in states.iter_mut().zip(figures) {
-        let [mass, carry, owed, owed_carry] = state;
-        let [pressure, net, lost, conductance, per_mass, rate, start, slowed] = figures;
-        let phi = operator::phi(*rate * *conductance);
-        let stored = phi * *net;
-        *carry += phi * *lost;
-        math::compensated_add(mass, carry, stored);
-        if phi < 1.0 {
-            math::compensated_add(owed, owed_carry, *net - stored);
-            smallest = if phi < smallest { phi } else { smallest };
-        }
-        *slowed = phi;
-        (*net, *lost, *conductance) = (0.0, 0.0, 0.0);
-        *pressure = *start + *per_mass * *mass;
-        square += *pressure * *pressure;
-        lowest = if *pressure < lowest { *pressure } else { lowest };
-    }
-    (smallest, square, lowest)
 }
 
 /// Names what left its range; only asked for when something did.

@@ -24,6 +24,11 @@ impl<'b> Cut<'b> {
     pub(crate) fn take_rows<const N: usize>(&mut self, rows: usize) -> &'b mut [[f32; N]] {
         self.take(rows * N).as_chunks_mut().0
     }
+
+    /// All whole rows that are left.
+    pub(crate) fn rest<const N: usize>(&mut self) -> &'b mut [[f32; N]] {
+        core::mem::take(&mut self.0).as_chunks_mut().0
+    }
 }
 
 /// State of a node: mass as deviation from the start and its carry [kg]; mass that a slowed node owes to its

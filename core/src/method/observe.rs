@@ -57,6 +57,8 @@ impl<E: Element> Observer<'_, '_, E> {
         let Some(description) = self.network.lines.get(line) else { return f32::NAN };
         if self.is_implicit() {
             self.own_state((description.first_segment + description.flow_segment) as usize).0
+        } else if self.method == Method::Adaptive {
+            self.state_at(adaptive::State::line_at(self.network.nodes.len(), line))
         } else {
             self.state_at(4 * self.network.nodes.len() + 6 * line)
         }
@@ -156,7 +158,14 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Taken, given and drained by a line since the start [kg].
     pub(crate) fn line_sums_kg(&self, line: usize) -> [f64; 3] {
-        let first = 4 * self.network.nodes.len() + 6 * line + 2;
+        let (nodes, lines) = (self.network.nodes.len(), self.network.lines.len());
+        if self.method == Method::Adaptive {
+            let given = self.sum_at(adaptive::State::line_at(nodes, line) + 1);
+            let drained = adaptive::special_index(self.network, line, self.work)
+                .map_or(0.0, |special| self.sum_at(adaptive::State::drained_at(nodes, lines, special)));
+            return [given + drained, given, drained];
+        }
+        let first = 4 * nodes + 6 * line + 2;
         let (given, drained) = (self.sum_at(first), self.sum_at(first + 2));
         [given + drained + self.held_kg(line), given, drained]
     }

@@ -1,0 +1,67 @@
+//! A simulator whose step is taken in ranges, so that several processors can share it.
+
+use super::{BuildError, Health, Settings, Simulator};
+use crate::element::Element;
+use crate::method::adaptive::split::{self, Join, SplitBuffers};
+use crate::{Buffers, Method, MethodError, Network, PlanError, StdElement};
+
+/// A simulator of `adaptive` that steps ranges of lines and of nodes side by side: the same bits as
+/// [`Simulator::step`], whatever does the ranges and however many.
+#[derive(Debug)]
+pub struct SplitSimulator<'a, E = StdElement> {
+    simulator: Simulator<'a, E>,
+    buffers: SplitBuffers<'a>,
+    /// Whether the simulator's own figures are those of the last step.
+    shown: bool,
+}
+
+impl<'a, E: Element> SplitSimulator<'a, E> {
+    /// Builds a simulator of `adaptive` with a step of `step_us` [µs]. Needs a network with lists of line ends, and
+    /// `split` of just the right lengths.
+    pub fn new(
+        network: &'a Network<'a, E>,
+        step_us: u32,
+        buffers: Buffers<'a>,
+        mut split: SplitBuffers<'a>,
+    ) -> Result<Self, BuildError> {
+        let settings = Settings { method: Method::Adaptive, step_us };
+        let simulator = Simulator::new(network, settings, buffers)?;
+        if network.plan.end_start.is_empty() {
+            return Err(BuildError::Method(MethodError::Plan(PlanError::Missing)));
+        }
+        if let Some((name, needed, given)) = split::fits(network, &split) {
+            return Err(BuildError::Buffer { name, needed, given });
+        }
+        split.fill(network, simulator.work);
+        Ok(Self { simulator, buffers: split, shown: true })
+    }
+
+    /// Advances by one step. A faulted simulator stands still.
+    pub fn step(&mut self, join: &impl Join) -> Health {
+        let buffers = &mut self.buffers;
+        let network = self.simulator.network;
+        self.shown = false;
+        self.simulator.advance_by::<false>(network, self.simulator.settings, |h, state, work, stages| {
+            split::step(network, h, state, work, stages.start, buffers, join)
+        })
+    }
+
+    /// Ticks taken, without a look at the state.
+    pub fn tick(&self) -> u64 {
+        self.simulator.tick
+    }
+
+    /// Sets an input, see [`Simulator::set_input`].
+    pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
+        self.simulator.set_input(slot, value)
+    }
+
+    /// The simulator, to be read. After a step its pressures are gathered first.
+    pub fn simulator(&mut self) -> &Simulator<'a, E> {
+        if !self.shown {
+            self.buffers.show(self.simulator.network, self.simulator.work);
+            self.shown = true;
+        }
+        &self.simulator
+    }
+}
