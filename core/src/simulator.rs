@@ -346,6 +346,12 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.observer().node_gauge_pa(node)
     }
 
+    /// φ of node `node` in the last step [1]: below 1 it stores as if its volume were V/φ. NaN for a node that does
+    /// not exist.
+    pub fn node_phi(&self, node: usize) -> f32 {
+        self.observer().node_phi(node)
+    }
+
     /// Mass flow of line `line` at its flow segment [kg/s]; NaN for a line that does not exist.
     pub fn line_flow_kg_s(&self, line: usize) -> f32 {
         self.observer().line_flow_kg_s(line)

@@ -37,6 +37,19 @@ impl<E: Element> Observer<'_, '_, E> {
         }
     }
 
+    /// φ of a node in the last step; 1 with a method that slows no node.
+    pub(crate) fn node_phi(&self, node: usize) -> f32 {
+        if node >= self.network.nodes.len() {
+            return f32::NAN;
+        }
+        match self.method {
+            Method::Adaptive => {
+                self.work.get(adaptive::NODE_FIGURES * (node + 1) - 1).copied().unwrap_or(f32::NAN)
+            }
+            _ => 1.0,
+        }
+    }
+
     /// Where an implicit method keeps its segments.
     fn own_states(&self) -> usize {
         Common::length(self.network) + 2 * self.network.nodes.len()

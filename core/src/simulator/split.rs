@@ -1,6 +1,6 @@
 //! A simulator whose step is taken in ranges, so that several processors can share it.
 
-use super::{BuildError, Health, Settings, Simulator};
+use super::{BuildError, Health, InputError, Settings, Simulator};
 use crate::element::Element;
 use crate::method::adaptive::split::{self, Join, SplitBuffers};
 use crate::{Buffers, Method, MethodError, Network, PlanError, StdElement};
@@ -52,7 +52,7 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
     }
 
     /// Sets an input, see [`Simulator::set_input`].
-    pub fn set_input(&mut self, slot: usize, value: f32) -> bool {
+    pub fn set_input(&mut self, slot: usize, value: f32) -> Result<(), InputError> {
         self.simulator.set_input(slot, value)
     }
 

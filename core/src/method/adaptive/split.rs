@@ -20,8 +20,8 @@ use crate::{End, Network, math};
 /// Lines whose pressure differences are gathered before their arithmetic, which then runs over arrays.
 const BLOCK: usize = 64;
 
-/// Lines, and nodes, that are not split further: some hundred microseconds of work.
-const RANGE: usize = 8_192;
+/// Lines, and nodes, that are not split further: some microseconds of work.
+const RANGE: usize = 1_024;
 
 /// Marks what a special line passed: its place among the special ones stands beside it.
 const SPECIAL: f32 = -1.0;
