@@ -25,6 +25,8 @@ use crate::{Fingerprint, Network};
 
 /// Most channels in each direction.
 pub const CHANNELS: usize = 64;
+/// Most converters of a board in each direction.
+pub const CONVERTERS: usize = 16;
 
 /// What a channel's value is worth. The number goes over the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -177,19 +177,7 @@ impl<'a, E: Element> Simulator<'a, E> {
         let inputs = inputs.get_mut(..sizes.inputs).ok_or(short("inputs", sizes.inputs, given_inputs))?;
         let cursors =
             cursors.get_mut(..sizes.cursors).ok_or(short("cursors", sizes.cursors, given_cursors))?;
-        for stage in inputs.chunks_exact_mut(network.inputs.len().max(1)) {
-            stage.copy_from_slice(network.inputs);
-        }
-        cursors.fill(0);
-        let step_s = settings.step_us as f32 * 1e-6;
-        match settings.method {
-            Method::Euler | Method::Relaxation => relaxation::start(network, state, work, inputs),
-            Method::Adaptive => adaptive::start(network, step_s, state, work, inputs),
-            Method::ImplicitEuler | Method::TrBdf2 => {
-                implicit::start(network, settings.method, step_s, state, work, inputs);
-            }
-        }
-        Ok(Self {
+        let mut simulator = Self {
             network,
             settings,
             network_id: network.id(),
@@ -203,7 +191,29 @@ impl<'a, E: Element> Simulator<'a, E> {
             worst_margin: Margin::FREE,
             unproven_ticks: 0,
             health: Health::Trusted,
-        })
+        };
+        simulator.restart();
+        Ok(simulator)
+    }
+
+    /// Goes back to the start, to the bit: what happened since is forgotten, a fault included.
+    pub fn restart(&mut self) {
+        let Self { network, settings, state, work, inputs, cursors, .. } = self;
+        for stage in inputs.chunks_exact_mut(network.inputs.len().max(1)) {
+            stage.copy_from_slice(network.inputs);
+        }
+        cursors.fill(0);
+        let step_s = settings.step_us as f32 * 1e-6;
+        match settings.method {
+            Method::Euler | Method::Relaxation => relaxation::start(network, state, work, inputs),
+            Method::Adaptive => adaptive::start(network, step_s, state, work, inputs),
+            Method::ImplicitEuler | Method::TrBdf2 => {
+                implicit::start(network, settings.method, step_s, state, work, inputs);
+            }
+        }
+        (self.tick, self.time_us, self.unproven_ticks) = (0, 0, 0);
+        (self.margin, self.worst_margin) = (Margin::FREE, Margin::FREE);
+        self.health = Health::Trusted;
     }
 
     /// Advances by one step. A faulted simulator stands still.
@@ -437,6 +447,11 @@ impl<'a, N: Compiled> CompiledSimulator<'a, N> {
     /// Sets a live input, see [`Simulator::set_live`].
     pub fn set_live(&mut self, input: &LiveInput, value: f32, slope_per_s: f32) -> Result<(), InputError> {
         self.simulator.set_live(input, value, slope_per_s)
+    }
+
+    /// Goes back to the start, see [`Simulator::restart`].
+    pub fn restart(&mut self) {
+        self.simulator.restart();
     }
 
     /// Goes back to a checkpoint, see [`Simulator::restore`].

@@ -134,6 +134,6 @@ pub const TICKS: Range = range(1.0, 6e4, "1");
 /// Numbers of ticks that may be none.
 pub const SOME_TICKS: Range = range(0.0, 6e4, "1");
 /// Numbers of a board's converters.
-pub const CONVERTER: Range = range(0.0, 63.0, "1");
+pub const CONVERTER: Range = range(0.0, eclss_core::process::CONVERTERS as f64 - 1.0, "1");
 /// Rates and steps of a channel, in its unit.
 pub const RATE: Range = range(1e-9, 1e12, "1");

@@ -47,8 +47,8 @@ fn what_is_wrong_is_refused_at_its_place() {
     spoil("min = -0.02", "min = 0.2", "`max`");
     spoil("safe_value = 0.5", "safe_value = 1.5", "`safe_value` lies outside");
     spoil("safe_value = 0.5\n", "", "`safe_value` is missing");
-    spoil("stale_ticks = 10", "stale_ticks = 2.5", "must be a whole number");
-    spoil("stale_ticks = 10", "stale_ticks = 0", "`stale_ticks` must lie in 1");
+    spoil("stale_ticks = 30", "stale_ticks = 2.5", "must be a whole number");
+    spoil("stale_ticks = 30", "stale_ticks = 0", "`stale_ticks` must lie in 1");
     spoil("safe_after_ticks = 20", "safe_after_ticks = 0", "`safe_after_ticks` must lie in 1");
     spoil("order = \"latched\"", "order = \"soon\"", "`soon` is not a order");
     spoil("loss = \"go_on\"", "loss = \"ignore\"", "`ignore` is not a loss");
@@ -59,7 +59,7 @@ fn what_is_wrong_is_refused_at_its_place() {
     spoil("safe_value = 0.5", "wire = [20.0]\nsafe_value = 0.5", "smallest and the largest");
     spoil("safe_value = 0.5", "calibration_date = \"2026-02-30\"\nsafe_value = 0.5", "is no day");
     spoil("safe_value = 0.5", "calibration_id = \"µ\"\nsafe_value = 0.5", "plain text");
-    spoil("safe_value = 0.5", "analog = 64\nsafe_value = 0.5", "`analog` must lie in 0 … 63");
+    spoil("safe_value = 0.5", "analog = 64\nsafe_value = 0.5", "`analog` must lie in 0 … 15");
     let scheduled = format!("{HIL}\n[[schedule]]\ninput = \"valve.opening\"\npoints = [[0.0, 1.0]]\n");
     let error = parse(&scheduled, "hil.toml").unwrap_err().to_string();
     assert!(error.contains("follows a schedule, so no hardware can drive it"), "{error}");
@@ -72,7 +72,7 @@ fn keys_become_channels_with_their_defaults() {
     let [valve, fan] = &process.input_channels()[..] else { panic!("two inputs") };
     assert_eq!(
         (valve.hold, valve.essential, valve.stale_ticks, valve.port),
-        (Hold::Linear, true, 10, Port::Link)
+        (Hold::Linear, true, 30, Port::Link)
     );
     assert_eq!((fan.hold, fan.essential, fan.extrapolate_ticks), (Hold::Zero, false, 1));
     assert!((fan.event_step - 0.12).abs() < 1e-6 && fan.filter_s.abs() < 1e-9);

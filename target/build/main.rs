@@ -16,6 +16,8 @@ use std::{env, fs};
 
 /// The network of a build that names none.
 const DEFAULT: &str = "networks/paper.toml";
+/// That of a build for hardware in the loop.
+const HIL: &str = "networks/hil.toml";
 
 fn main() -> ExitCode {
     match build() {
@@ -35,7 +37,9 @@ fn build() -> Result<(), Vec<String>> {
     println!("cargo::rerun-if-env-changed=ECLSS_NETWORK");
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or(["no OUT_DIR".to_owned()])?);
     let board = memory::Board::of_this_build().map_err(|problem| vec![problem])?;
-    let path = env::var("ECLSS_NETWORK").unwrap_or_else(|_| DEFAULT.into());
+    let path = env::var("ECLSS_NETWORK").unwrap_or_else(|_| {
+        if env::var_os("CARGO_FEATURE_HIL").is_some() { HIL.into() } else { DEFAULT.into() }
+    });
     let loaded = load(&path)?;
     let need = fit::Need::of(&loaded.network(), loaded.run.method);
     if let Some(board) = &board {

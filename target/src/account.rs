@@ -50,6 +50,8 @@ pub struct Tick {
     pub tick_counts: u32,
     /// Share of the plant's step in that \[counts of the board's counter\].
     pub step_counts: u32,
+    /// Share of the link in that \[counts of the board's counter\].
+    pub link_counts: u32,
     /// Releases that it ran over; 0 when in time.
     pub skipped: u32,
 }
@@ -77,6 +79,8 @@ pub struct Account {
     pub tick_counts: Spread,
     /// Share of the plant's step in that \[counts of the board's counter\].
     pub step_counts: Spread,
+    /// Share of the link in that \[counts of the board's counter\].
+    pub link_counts: Spread,
     /// How long after its release a tick began \[µs\].
     pub lateness_us: Spread,
 }
@@ -98,6 +102,7 @@ impl Account {
             worst_consecutive_overruns: 0,
             tick_counts: Spread::EMPTY,
             step_counts: Spread::EMPTY,
+            link_counts: Spread::EMPTY,
             lateness_us: Spread::EMPTY,
         }
     }
@@ -108,6 +113,7 @@ impl Account {
         self.wall_us = tick.begun_us.saturating_sub(self.first_release_us);
         self.tick_counts.add(tick.tick_counts);
         self.step_counts.add(tick.step_counts);
+        self.link_counts.add(tick.link_counts);
         let late_us = tick.begun_us.saturating_sub(tick.release_us);
         self.lateness_us.add(u32::try_from(late_us).unwrap_or(u32::MAX));
         self.skipped += u64::from(tick.skipped);
@@ -162,7 +168,14 @@ mod tests {
 
     fn tick(n: u64, late_us: u64, skipped: u32) -> Tick {
         let release_us = 7_000 + n * 1_000;
-        Tick { release_us, begun_us: release_us + late_us, tick_counts: 40, step_counts: 30, skipped }
+        Tick {
+            release_us,
+            begun_us: release_us + late_us,
+            tick_counts: 40,
+            step_counts: 30,
+            link_counts: 5,
+            skipped,
+        }
     }
 
     #[test]

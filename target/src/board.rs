@@ -1,6 +1,10 @@
 //! The one seam between the application and a board.
 
+use eclss_core::process::CONVERTERS;
 use embassy_time::{Instant, Timer};
+
+/// Raw counts by the converter's number.
+pub type Converters = [Option<f32>; CONVERTERS];
 
 /// Why the processor started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,11 +43,18 @@ pub trait Board {
     }
     /// A free-running counter for execution times; wraps.
     fn counter(&self) -> u32;
-    /// Fills in the newest samples, one per input channel, in the channel's unit. Channels that the board
-    /// does not have keep their value.
-    fn read_inputs(&mut self, inputs: &mut [f32]);
-    /// Hands over one value per output channel, in the channel's unit.
-    fn write_outputs(&mut self, outputs: &[f32]);
+    /// Fills in the newest raw count of each converter, by its number. Those that the board does not have stay `None`.
+    fn read_inputs(&mut self, converters: &mut Converters);
+    /// Hands over one raw count per converter, where there is one; `armed` says whether the plant drives them.
+    fn write_outputs(&mut self, converters: &Converters, armed: bool);
+    /// Takes what has come over the link, as much as `bytes` holds; returns how much. Without a link, nothing.
+    fn read_link(&mut self, _bytes: &mut [u8]) -> usize {
+        0
+    }
+    /// Hands over bytes for the link; returns how many were taken. The rest is offered again.
+    fn write_link(&mut self, bytes: &[u8]) -> usize {
+        bytes.len()
+    }
     /// Puts every output into the state in which connected hardware is harmless. May be called at any time
     /// and any number of times.
     fn safe_outputs(&mut self);

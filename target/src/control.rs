@@ -1,10 +1,18 @@
 //! The one loop: read inputs, step, write outputs, account time. Every board runs this and nothing else.
+//!
+//! What each part does depends on the mode ([`eclss_core::mode`]). With [`Order::Latched`] a tick gives out what the
+//! tick before has made, at its begin; with [`Order::Immediate`] what it has made itself, at its end.
 
 use crate::account::{Account, Tick};
 use crate::board::Board;
+use crate::coupling::{Coupling, LinkReport};
 use crate::plant::{Plant, Untrusted};
 use crate::schedule::Schedule;
 use core::num::NonZeroU32;
+pub use eclss_core::mode::Cause;
+use eclss_core::mode::{Conditions, Machine, Mode, PlantDoes};
+use eclss_core::process::Order;
+use eclss_core::protocol::{Command, CommandFrame, Outcome};
 
 /// What the loop is told.
 #[derive(Clone, Copy, Debug)]
@@ -15,33 +23,14 @@ pub struct Settings {
     pub ticks: Option<u64>,
     /// Ticks that count as start-up in the account.
     pub startup_ticks: u32,
-    /// Overruns in a row after which outputs go safe; at least 1.
+    /// Overruns in a row after which the loop goes to SAFE; at least 1.
     pub overruns_to_safe: u32,
-    /// Lag of the plant's clock behind the wall's beyond which outputs go safe \[µs\].
+    /// Lag of the plant's clock behind the wall's beyond which the loop goes to SAFE \[µs\].
     pub lag_to_safe_us: u64,
-    /// Whether to start with safe outputs and the plant held, as after a fault.
+    /// Whether to start in SAFE, as after a fault.
     pub start_safe: bool,
     /// Ticks between two [`Event::Status`].
     pub status_every: NonZeroU32,
-}
-
-/// Why outputs went safe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// The start was not a clean one.
-    Reset,
-    /// Too many overruns in a row.
-    Overruns {
-        /// How many.
-        in_a_row: u32,
-    },
-    /// The plant's clock fell too far behind.
-    Lag {
-        /// By how much \[µs\].
-        lag_us: u64,
-    },
-    /// The plant's state can no longer be trusted.
-    Plant(Untrusted),
 }
 
 /// How many outputs a status carries.
@@ -49,6 +38,7 @@ pub const SHOWN_OUTPUTS: usize = 4;
 
 /// What the loop tells about itself. Whoever logs it does so outside of the tick.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap")]
 pub enum Event {
     /// The account up to now, at regular intervals.
     Status {
@@ -56,8 +46,10 @@ pub enum Event {
         account: Account,
         /// The first outputs; NaN where there are fewer.
         outputs: [f32; SHOWN_OUTPUTS],
-        /// Whether outputs are safe.
-        safe: bool,
+        /// The mode.
+        mode: Mode,
+        /// The link, where there is one.
+        link: Option<LinkReport>,
     },
     /// A tick ended after the next release.
     Overrun {
@@ -66,7 +58,16 @@ pub enum Event {
         /// Releases skipped.
         skipped: u32,
     },
-    /// Outputs went safe and stay so.
+    /// The mode has changed.
+    Mode {
+        /// Number of the tick, from 0.
+        tick: u64,
+        /// From this one.
+        from: Mode,
+        /// To this one.
+        to: Mode,
+    },
+    /// The mode is SAFE and stays so until it is acknowledged.
     Safe {
         /// Number of the tick, from 0.
         tick: u64,
@@ -81,18 +82,29 @@ pub enum Event {
         state_hash: u64,
         /// Hash over its integrated values alone.
         values_hash: u64,
-        /// Whether outputs are safe.
-        safe: bool,
+        /// The mode.
+        mode: Mode,
+        /// The link, where there is one.
+        link: Option<LinkReport>,
     },
+}
+
+/// What changes from tick to tick besides plant, board and coupling.
+struct Loop {
+    machine: Machine,
+    /// The mode at the end of the tick before.
+    was: Mode,
+    trust: Result<(), Untrusted>,
 }
 
 /// Runs the loop until [`Settings::ticks`] have run; `tell` takes events and must not wait.
 ///
-/// Once safe, outputs stay safe and the plant is held; the loop goes on ticking and feeding the watchdog, so
-/// that the board can say what happened.
+/// In SAFE the plant stands; the loop goes on ticking and feeding the watchdog, so that the board can say what
+/// happened and take an acknowledgement.
 pub async fn run<B: Board, P: Plant>(
     board: &mut B,
     plant: &mut P,
+    coupling: &mut Coupling<'_>,
     settings: &Settings,
     mut tell: impl FnMut(Event),
 ) {
@@ -100,11 +112,10 @@ pub async fn run<B: Board, P: Plant>(
     let first_us = board.now_us() + u64::from(period_us.get());
     let mut schedule = Schedule::new(first_us, period_us);
     let mut account = Account::new(first_us, period_us, settings.startup_ticks);
-    let mut safe = None;
+    let mut state = Loop { machine: Machine::new(), was: Mode::PowerUp, trust: Ok(()) };
     if settings.start_safe {
-        safe = Some(Cause::Reset);
+        state.fail(Cause::Reset, board, coupling, 0, &mut tell);
         board.safe_outputs();
-        tell(Event::Safe { tick: 0, cause: Cause::Reset });
     }
     let mut until_status = settings.status_every.get();
     while settings.ticks.is_none_or(|ticks| account.ticks < ticks) {
@@ -113,32 +124,51 @@ pub async fn run<B: Board, P: Plant>(
         let begun_us = board.now_us();
         let begun = board.counter();
         board.feed_watchdog();
-        board.read_inputs(plant.inputs());
-        let stepping = board.counter();
-        let trust = if safe.is_none() { plant.step() } else { Ok(()) };
-        let stepped = board.counter();
-        if safe.is_none() && trust.is_ok() {
-            board.write_outputs(plant.outputs());
-        }
-        let tick_counts = board.counter().wrapping_sub(begun);
-        let skipped = schedule.finish(board.now_us());
-        let step_counts = stepped.wrapping_sub(stepping);
         let tick = account.ticks;
-        account.book(&Tick { release_us, begun_us, tick_counts, step_counts, skipped });
+        coupling.read(board, begun_us);
+        let latched = coupling.order() == Order::Latched;
+        if latched {
+            coupling.write(board, tick, &state.machine, begun_us);
+        }
+        let read_counts = board.counter().wrapping_sub(begun);
+        state.prepare(plant, coupling);
+        if let Some(cause) = state.trouble(coupling) {
+            state.fail(cause, board, coupling, tick, &mut tell);
+        }
+        let stepping = board.counter();
+        let does = state.machine.mode().conduct().plant;
+        if matches!(does, PlantDoes::Starts | PlantDoes::Steps) {
+            if does == PlantDoes::Steps {
+                coupling.apply(plant);
+            }
+            state.trust = plant.step();
+        }
+        let stepped = board.counter();
+        if let Err(fault) = state.trust {
+            state.fail(Cause::Plant(fault), board, coupling, tick, &mut tell);
+        }
+        coupling.emit(plant, state.machine.mode().conduct());
+        let writing = board.counter();
+        if !latched {
+            coupling.write(board, tick, &state.machine, board.now_us());
+        }
+        let ended = board.counter();
+        let link_counts = read_counts.wrapping_add(ended.wrapping_sub(writing));
+        let skipped = schedule.finish(board.now_us());
+        let (tick_counts, step_counts) = (ended.wrapping_sub(begun), stepped.wrapping_sub(stepping));
+        account.book(&Tick { release_us, begun_us, tick_counts, step_counts, link_counts, skipped });
         if skipped > 0 {
             tell(Event::Overrun { tick, skipped });
         }
-        if safe.is_none() {
-            safe = trust.err().map(Cause::Plant).or_else(|| judge(&account, settings));
-            if let Some(cause) = safe {
-                board.safe_outputs();
-                tell(Event::Safe { tick, cause });
-            }
+        if let Some(cause) = judge(&account, settings) {
+            state.fail(cause, board, coupling, tick, &mut tell);
         }
+        state.tell_mode(tick, &mut tell);
         until_status -= 1;
         if until_status == 0 {
             until_status = settings.status_every.get();
-            tell(Event::Status { account, outputs: first(plant.outputs()), safe: safe.is_some() });
+            let (mode, link) = (state.machine.mode(), coupling.link_report());
+            tell(Event::Status { account, outputs: first(plant.outputs()), mode, link });
         }
     }
     board.safe_outputs();
@@ -146,8 +176,103 @@ pub async fn run<B: Board, P: Plant>(
         account,
         state_hash: plant.state_hash(),
         values_hash: plant.values_hash(),
-        safe: safe.is_some(),
+        mode: state.machine.mode(),
+        link: coupling.link_report(),
     });
+}
+
+impl Loop {
+    /// What happens before the plant steps: commands, the loop's own changes of mode, and inputs.
+    fn prepare<P: Plant>(&mut self, plant: &mut P, coupling: &mut Coupling<'_>) {
+        if let Some(CommandFrame { id, command }) = coupling.take_command() {
+            let outcome = self.command(command, plant, coupling);
+            coupling.acknowledge(id, outcome);
+        }
+        let bound = coupling.is_bound();
+        if self.machine.mode() == Mode::PowerUp {
+            self.machine.advance(Mode::Init);
+            coupling.unsettle();
+        }
+        if self.machine.mode() == Mode::Init && (!bound || coupling.settle(plant)) {
+            self.machine.advance(Mode::Ready);
+        }
+        if self.machine.mode() == Mode::Ready && !bound {
+            self.machine.advance(Mode::Run);
+        }
+        if self.machine.mode() == Mode::Run && self.was != Mode::Run {
+            coupling.start_from(plant);
+        }
+        coupling.ingest(self.machine.mode().conduct());
+    }
+
+    fn command<P: Plant>(&mut self, command: Command, plant: &mut P, coupling: &mut Coupling<'_>) -> Outcome {
+        let conditions = Conditions {
+            plant_trusted: self.trust.is_ok(),
+            inputs_good: coupling.inputs_good(),
+            outputs_arrived: coupling.outputs_arrived(),
+        };
+        let channels = coupling.process().image().inputs;
+        let free = |parameter: u16| channels.iter().all(|channel| channel.slot != u32::from(parameter));
+        match command {
+            Command::Mode(request) => match self.machine.request(request, conditions) {
+                Ok(mode) => {
+                    if mode == Mode::Init {
+                        plant.restart();
+                        coupling.unsettle();
+                        self.trust = Ok(());
+                    }
+                    Outcome::Mode(mode)
+                }
+                Err(refusal) => Outcome::Refused(refusal),
+            },
+            Command::Set { parameter, value } if free(parameter) => {
+                match (plant.input(parameter.into()), plant.set(parameter.into(), value)) {
+                    (None, _) => Outcome::NoSuchParameter,
+                    (_, false) => Outcome::OutOfRange,
+                    _ => Outcome::Value(value),
+                }
+            }
+            Command::Set { .. } => Outcome::NoSuchParameter,
+            Command::Get { parameter } => {
+                plant.input(parameter.into()).map_or(Outcome::NoSuchParameter, Outcome::Value)
+            }
+        }
+    }
+
+    /// What of the coupling speaks against going on; only armed hardware is in danger.
+    fn trouble(&self, coupling: &Coupling<'_>) -> Option<Cause> {
+        if self.machine.mode().is_armed() { coupling.trouble() } else { None }
+    }
+
+    /// Goes to SAFE, unless it is there. Outputs that are channels go there at their rates; without any, the board's
+    /// are safe at once.
+    fn fail<B: Board>(
+        &mut self,
+        cause: Cause,
+        board: &mut B,
+        coupling: &Coupling<'_>,
+        tick: u64,
+        tell: &mut impl FnMut(Event),
+    ) {
+        if self.machine.fail(cause) {
+            if !coupling.is_bound() {
+                board.safe_outputs();
+            }
+            tell(Event::Safe { tick, cause });
+        }
+    }
+
+    /// Tells a change of mode. SAFE is told with its cause where it happens, unless somebody asked for it.
+    fn tell_mode(&mut self, tick: u64, tell: &mut impl FnMut(Event)) {
+        let (from, to) = (self.was, self.machine.mode());
+        self.was = to;
+        match self.machine.cause() {
+            _ if from == to => {}
+            Some(Cause::Operator) => tell(Event::Safe { tick, cause: Cause::Operator }),
+            Some(_) => {}
+            None => tell(Event::Mode { tick, from, to }),
+        }
+    }
 }
 
 /// Whether timing alone is reason enough to go safe.
@@ -167,9 +292,11 @@ fn first(outputs: &[f32]) -> [f32; SHOWN_OUTPUTS] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::board::Converters;
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
     use eclss_core::Place;
+    use eclss_core::process::{Applied, Point};
 
     /// A board whose clock moves only as the script says: each tick takes the next duration \[µs\].
     #[derive(Default)]
@@ -196,15 +323,14 @@ mod tests {
         fn counter(&self) -> u32 {
             self.clock_us.get() as u32
         }
-        fn read_inputs(&mut self, _inputs: &mut [f32]) {
+        fn read_inputs(&mut self, _converters: &mut Converters) {
             self.begun.push(self.clock_us.get());
             let duration = self.durations_us.get(self.begun.len() - 1).copied().unwrap_or(100);
             self.clock_us.set(self.clock_us.get() + duration);
         }
-        fn write_outputs(&mut self, outputs: &[f32]) {
-            assert_eq!(self.safe_calls, 0, "outputs written after they went safe");
-            assert_eq!(outputs.len(), 1);
-            self.written += 1;
+        fn write_outputs(&mut self, _converters: &Converters, armed: bool) {
+            assert!(self.safe_calls == 0 || !armed, "outputs live after they went safe");
+            self.written += usize::from(armed);
         }
         fn safe_outputs(&mut self) {
             self.safe_calls += 1;
@@ -221,8 +347,18 @@ mod tests {
     }
 
     impl Plant for Counting {
-        fn inputs(&mut self) -> &mut [f32] {
-            &mut []
+        fn restart(&mut self) {
+            self.steps = [0.0];
+        }
+        fn apply(&mut self, _channel: usize, _slot: u32, _applied: Applied) {}
+        fn set(&mut self, _slot: u32, _value: f32) -> bool {
+            false
+        }
+        fn input(&self, _slot: u32) -> Option<f32> {
+            None
+        }
+        fn point(&self, _point: Point) -> f32 {
+            self.steps[0]
         }
         fn step(&mut self) -> Result<(), Untrusted> {
             self.steps[0] += 1.0;
@@ -259,8 +395,10 @@ mod tests {
         let mut board = Scripted { durations_us: durations_us.to_vec(), ..Scripted::default() };
         let mut plant = Counting { steps: [0.0], breaks_at };
         let mut events = Vec::new();
+        let mut nothing = Coupling::none();
         {
-            let looped = pin!(run(&mut board, &mut plant, settings, |event| events.push(event)));
+            let looped =
+                pin!(run(&mut board, &mut plant, &mut nothing, settings, |event| events.push(event)));
             // Nothing in a scripted board waits, so one poll runs to the end.
             assert_eq!(looped.poll(&mut Context::from_waker(Waker::noop())), Poll::Ready(()));
         }
@@ -278,11 +416,11 @@ mod tests {
     fn steps_and_writes_once_per_tick_on_the_grid() {
         let (board, plant, events) = run_scripted(&[], f32::INFINITY, &SETTINGS);
         assert_eq!(board.begun, (1..=10).map(|n| n * 1_000).collect::<Vec<_>>());
-        assert_eq!((board.written, board.fed, plant.steps[0] as usize), (10, 10, 10));
+        assert_eq!((board.written, board.fed, plant.steps[0] as usize), (9, 10, 10), "a tick behind");
         assert_eq!(board.safe_calls, 1, "at the end");
         let states = events.iter().filter(|event| matches!(event, Event::Status { .. })).count();
         assert_eq!(states, 2);
-        assert!(matches!(events.last(), Some(Event::Ended { safe: false, .. })));
+        assert!(matches!(events.last(), Some(Event::Ended { mode: Mode::Run, .. })));
     }
 
     /// One long tick: its successors are not made up for, and all later ones are back on the grid.
@@ -304,8 +442,8 @@ mod tests {
             run_scripted(&[1_500, 100, 1_500, 1_500, 1_500], f32::INFINITY, &SETTINGS);
         assert_eq!(causes(&events), [(4, Cause::Overruns { in_a_row: 3 })]);
         assert_eq!(plant.steps[0] as usize, 5, "the plant is held afterwards");
-        assert_eq!((board.written, board.fed), (5, 10), "but the loop goes on");
-        assert!(matches!(events.last(), Some(Event::Ended { safe: true, .. })));
+        assert_eq!((board.written, board.fed), (4, 10), "but the loop goes on");
+        assert!(matches!(events.last(), Some(Event::Ended { mode: Mode::Safe, .. })));
     }
 
     #[test]
@@ -320,7 +458,7 @@ mod tests {
     fn an_untrusted_plant_goes_safe_before_its_outputs_are_written() {
         let (board, _, events) = run_scripted(&[], 4.0, &SETTINGS);
         assert_eq!(causes(&events), [(3, Cause::Plant(BROKEN))]);
-        assert_eq!(board.written, 3);
+        assert_eq!(board.written, 3, "what three good steps have made");
     }
 
     #[test]

@@ -3,9 +3,13 @@
 
 use crate::board::Board;
 use crate::control::{self, Event, Settings};
+use crate::controller::{self, Controller};
+use crate::coupling::Coupling;
 use crate::journal::{self, Journal};
 use crate::plant::Plant;
 use core::sync::atomic::{AtomicU32, Ordering};
+use eclss_core::mode::Mode;
+use eclss_core::protocol::Link;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::StaticCell;
 
@@ -32,7 +36,7 @@ pub enum Heard {
     Status,
     /// The loop has ended, well or not.
     Ended {
-        /// Whether it was never safe and no event was lost.
+        /// Whether it did not end in SAFE and no event was lost.
         well: bool,
     },
 }
@@ -45,8 +49,26 @@ pub fn events(journal: Journal) -> (Teller, Listener) {
 }
 
 /// The loop, telling through the queue. Each board wraps this in its Embassy task.
-pub async fn run<B: Board, P: Plant>(board: &mut B, plant: &mut P, settings: &Settings, mut teller: Teller) {
-    control::run(board, plant, settings, |event| {
+pub async fn run<B: Board, P: Plant>(
+    board: &mut B,
+    plant: &mut P,
+    coupling: &mut Coupling<'_>,
+    settings: &Settings,
+    mut teller: Teller,
+) {
+    control::run(board, plant, coupling, settings, |event| {
+        if teller.enqueue(event).is_err() {
+            LOST.fetch_add(1, Ordering::Relaxed);
+        }
+    })
+    .await;
+}
+
+/// The controller at the other end of a link, telling through the queue: the flow of `networks/hil.toml` by its valve.
+pub async fn control<B: Board>(board: &mut B, link: &mut Link, settings: &Settings, mut teller: Teller) {
+    let step_s = settings.period_us.get() as f32 * 1e-6;
+    let mut controller = Controller::new(controller::FLOW, 1.0, [0.02, 1.0], step_s);
+    controller::run(board, link, &mut controller, settings, |event| {
         if teller.enqueue(event).is_err() {
             LOST.fetch_add(1, Ordering::Relaxed);
         }
@@ -62,14 +84,14 @@ impl Listener {
             self.journal.event(&event);
             match event {
                 Event::Status { .. } => heard = Heard::Status,
-                Event::Ended { safe, .. } => {
+                Event::Ended { mode, .. } => {
                     let lost = LOST.load(Ordering::Relaxed);
                     if lost > 0 {
                         journal::lost(lost);
                     }
-                    return Heard::Ended { well: !safe && lost == 0 };
+                    return Heard::Ended { well: mode != Mode::Safe && lost == 0 };
                 }
-                Event::Overrun { .. } | Event::Safe { .. } => {}
+                Event::Overrun { .. } | Event::Mode { .. } | Event::Safe { .. } => {}
             }
         }
         heard

@@ -5,6 +5,7 @@
 use crate::account::Spread;
 use crate::board::{Board, ResetReason, StackUse};
 use crate::control::{Cause, Event, SHOWN_OUTPUTS, Settings};
+use crate::coupling::LinkReport;
 use crate::display;
 use crate::fault::Fault;
 use crate::network::{NetworkPlant, Origin};
@@ -65,31 +66,39 @@ impl Journal {
     /// Logs an event.
     pub fn event(&mut self, event: &Event) {
         match *event {
-            Event::Status { account, outputs, safe } => {
+            Event::Status { account, outputs, mode, link } => {
                 info!(
-                    "tick {}: {} mHz of {}, lag {} us, safe {}",
+                    "tick {}: {} mHz of {}, lag {} us, {}",
                     account.ticks,
                     account.actual_millihertz(),
                     account.target_millihertz(),
                     account.lag_us(),
-                    safe
+                    mode.name()
                 );
                 self.counts("tick", account.tick_counts);
                 self.counts("step", account.step_counts);
+                if let Some(link) = link {
+                    self.counts("link", account.link_counts);
+                    link_state(&link);
+                }
                 let late = account.lateness_us;
                 info!("late {}/{}/{} us", late.min(), late.mean(), late.max());
                 self.flows(outputs);
             }
             Event::Overrun { tick, skipped } => warn!("tick {} overran, {} skipped", tick, skipped),
+            Event::Mode { tick, from, to } => info!("mode {} to {} at tick {}", from.name(), to.name(), tick),
             Event::Safe { tick, cause } => safe(tick, cause),
-            Event::Ended { account, state_hash, values_hash, safe } => {
+            Event::Ended { account, state_hash, values_hash, mode, link } => {
                 info!(
-                    "ended after {} ticks, {} us of plant time in {} us, safe {}",
+                    "ended after {} ticks, {} us of plant time in {} us, {}",
                     account.ticks,
                     account.plant_us(),
                     account.wall_us(),
-                    safe
+                    mode.name()
                 );
+                if let Some(link) = link {
+                    link_state(&link);
+                }
                 info!(
                     "overruns {}, {} in start-up, {} in a row, skipped {}",
                     account.overruns,
@@ -144,8 +153,19 @@ fn safe(tick: u64, cause: Cause) {
         Cause::Reset => error!("safe from tick {}: the last run did not end well", tick),
         Cause::Overruns { in_a_row } => error!("safe from tick {}: {} overruns in a row", tick, in_a_row),
         Cause::Lag { lag_us } => error!("safe from tick {}: {} us behind", tick, lag_us),
+        Cause::Silence { ticks } => error!("safe from tick {}: {} ticks of silence", tick, ticks),
+        Cause::Input { channel } => error!("safe from tick {}: input {} lost", tick, channel),
+        Cause::Operator => warn!("safe from tick {}: asked for", tick),
         Cause::Plant(fault) => error!("safe from tick {}: {:?} cannot be trusted", tick, fault.place),
     }
+}
+
+/// Logs what became of each frame.
+fn link_state(link: &LinkReport) {
+    let c = link.counters;
+    info!("link up {}, {} sessions, sent {}, silent {}", link.connected, c.sessions, link.sent, link.silence);
+    info!("frames {}, taken {}, handshake {}, lost {}", c.frames(), c.accepted, c.handshake, c.lost);
+    info!("late {}, twice {}, damaged {}, foreign {}", c.late, c.duplicate, c.damaged(), c.foreign());
 }
 
 /// Logs how deep the stack has been.

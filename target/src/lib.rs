@@ -8,6 +8,8 @@ pub mod account;
 pub mod board;
 pub mod boards;
 pub mod control;
+pub mod controller;
+pub mod coupling;
 pub mod display;
 pub mod fault;
 pub mod firmware;

@@ -1,9 +1,13 @@
 //! The networks that a board runs: the one that is compiled in, and one that is loaded at run time.
 
 use crate::control::SHOWN_OUTPUTS;
+use crate::coupling::{self, Coupling};
 use crate::plant::{Plant, Untrusted};
+use eclss_core::process::{Applied, CHANNELS, InputState, OutputState, Point, Process};
+use eclss_core::protocol::{Config, Link, Role};
 use eclss_core::{
-    BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, Settings, Simulator, Storage,
+    BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, LiveInput, Settings, Simulator,
+    Storage,
 };
 use static_cell::ConstStaticCell;
 
@@ -64,6 +68,8 @@ pub struct NetworkPlant {
     line_names: &'static [&'static str],
     /// Mass flows of the first lines \[kg/s\].
     flows_kg_s: [f32; SHOWN_OUTPUTS],
+    /// Inputs that hardware drives, by channel, once they have been looked up.
+    live: [Option<LiveInput>; CHANNELS],
 }
 
 /// Builds the plant from the network that is compiled in, with its file's method and step. To be called once.
@@ -89,7 +95,39 @@ pub fn compiled_in() -> Result<NetworkPlant, BuildError> {
         name: table::NAME,
         line_names: &table::LINE_NAMES,
         flows_kg_s: [0.0; SHOWN_OUTPUTS],
+        live: [None; CHANNELS],
     })
+}
+
+/// The compiled-in network's end of a link; `None` where no channel goes over one.
+pub fn compiled_in_link(plant: &NetworkPlant, role: Role, nonce: u32) -> Option<Link> {
+    let (inputs, outputs) = coupling::link_counts(&table::PROCESS);
+    let config = Config {
+        role,
+        network_id: plant.network_id(),
+        process_id: table::PROCESS_ID,
+        step_us: plant.settings().step_us,
+        inputs,
+        outputs,
+        ..Config::default()
+    };
+    (inputs + outputs > 0).then(|| Link::new(config, nonce))
+}
+
+/// The compiled-in process image with this link. To be called once.
+///
+/// # Panics
+/// When called twice.
+pub fn compiled_in_coupling(link: Option<Link>) -> Coupling<'static> {
+    const INPUTS: usize = table::INPUT_CHANNELS.len();
+    const OUTPUTS: usize = table::OUTPUT_CHANNELS.len();
+    static IN: ConstStaticCell<[InputState; INPUTS]> =
+        ConstStaticCell::new([const { InputState::new(0.0) }; INPUTS]);
+    static OUT: ConstStaticCell<[OutputState; OUTPUTS]> =
+        ConstStaticCell::new([const { OutputState::new(0.0) }; OUTPUTS]);
+    let step_s = table::STEP_US as f32 * 1e-6;
+    let process = Process::new(table::PROCESS, step_s, IN.take(), OUT.take());
+    Coupling::new(process.expect("one state a channel"), step_s, link)
 }
 
 /// Makes a plant of a simulator that was built at run time.
@@ -104,6 +142,7 @@ pub fn loaded(
         name,
         line_names,
         flows_kg_s: [0.0; SHOWN_OUTPUTS],
+        live: [None; CHANNELS],
     }
 }
 
@@ -142,8 +181,52 @@ impl NetworkPlant {
 }
 
 impl Plant for NetworkPlant {
-    fn inputs(&mut self) -> &mut [f32] {
-        &mut []
+    fn restart(&mut self) {
+        match &mut self.stepper {
+            Stepper::Specialised(simulator) => simulator.restart(),
+            Stepper::General(simulator) => simulator.restart(),
+        }
+    }
+    fn apply(&mut self, channel: usize, slot: u32, applied: Applied) {
+        let Some(live) = self.live.get_mut(channel) else { return };
+        if live.is_none_or(|live| live.slot() != slot as usize) {
+            // Looked up by a search, but once only.
+            let simulator = match &self.stepper {
+                Stepper::Specialised(simulator) => simulator,
+                Stepper::General(simulator) => simulator,
+            };
+            *live = simulator.live_input(slot as usize).ok();
+        }
+        let Some(live) = *live else { return };
+        // What is out of range leaves what there is.
+        let _ = match &mut self.stepper {
+            Stepper::Specialised(simulator) => simulator.set_live(&live, applied.value, applied.slope_per_s),
+            Stepper::General(simulator) => simulator.set_live(&live, applied.value, applied.slope_per_s),
+        };
+    }
+    fn set(&mut self, slot: u32, value: f32) -> bool {
+        let slot = slot as usize;
+        match &mut self.stepper {
+            Stepper::Specialised(simulator) => simulator.set_input(slot, value).is_ok(),
+            Stepper::General(simulator) => simulator.set_input(slot, value).is_ok(),
+        }
+    }
+    fn input(&self, slot: u32) -> Option<f32> {
+        self.simulator().inputs().get(slot as usize).copied()
+    }
+    fn point(&self, point: Point) -> f32 {
+        let simulator = self.simulator();
+        match point {
+            Point::NodeGauge(node) => simulator.node_gauge_pa(node as usize),
+            Point::LineFlow(line) => simulator.line_flow_kg_s(line as usize),
+            Point::SegmentFlow { line, segment } => {
+                simulator.segment_flow_kg_s(line as usize, segment as usize)
+            }
+            Point::OutletGauge { line, segment } => {
+                simulator.outlet_gauge_pa(line as usize, segment as usize)
+            }
+            Point::Input(slot) => self.input(slot).unwrap_or(f32::NAN),
+        }
     }
     #[cfg_attr(feature = "nucleo-h743zi2", unsafe(link_section = ".itcm.step"))]
     #[allow(unsafe_code, reason = "on the board with tightly coupled memory, the step runs from it")]

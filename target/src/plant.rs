@@ -1,12 +1,23 @@
 //! What the loop steps.
 
-/// A simulated plant: inputs in, one fixed step, outputs out.
+use eclss_core::process::{Applied, Point};
+
+/// A simulated plant: inputs in, one fixed step, points out.
 pub trait Plant {
-    /// Values that the board's inputs are read into, one per channel, in the channel's unit.
-    fn inputs(&mut self) -> &mut [f32];
+    /// Goes back to the start.
+    fn restart(&mut self);
+    /// Hands over what an input gets in the coming step. `channel` is the input channel's number, always with the same
+    /// `slot`. A value that the plant cannot take leaves what it has.
+    fn apply(&mut self, channel: usize, slot: u32, applied: Applied);
+    /// Sets an input for good, as an operator does; false where the slot takes no value or not this one.
+    fn set(&mut self, slot: u32, value: f32) -> bool;
+    /// What the input has; `None` where there is no such slot.
+    fn input(&self, slot: u32) -> Option<f32>;
+    /// A value of the plant, in its unit.
+    fn point(&self, point: Point) -> f32;
     /// Advances by one tick. The number of operations does not depend on the values.
     fn step(&mut self) -> Result<(), Untrusted>;
-    /// Values for the board's outputs, one per channel, in the channel's unit.
+    /// The first flows, for who watches.
     fn outputs(&self) -> &[f32];
     /// A hash over the whole state. Too slow for a tick: asked for when a run has ended.
     fn state_hash(&self) -> u64;

@@ -25,8 +25,10 @@ pub(crate) const BOARDS: [Board; 4] = [
     Board { name: "rt-pc", machine: None, hosted: true },
 ];
 
-/// Programs of the tests, built like a board's firmware: one counts instructions, one is nothing but a step.
-pub(crate) const TEST_PROGRAMS: [Board; 2] = [
+/// Programs of the tests, built like a board's firmware: one counts instructions, one is nothing but a step, one has
+/// hardware on its link.
+pub(crate) const TEST_PROGRAMS: [Board; 3] = [
+    Board { name: "qemu-hil-an386", machine: None, hosted: false },
     Board { name: "measure", machine: None, hosted: false },
     Board { name: "bare", machine: None, hosted: false },
 ];

@@ -9,17 +9,21 @@ mod loading;
 mod registers;
 pub(crate) mod semihosting;
 pub(crate) mod timer;
+mod uart;
 mod vectors;
 
-use crate::board::{Board, ResetReason};
+use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
+use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
 use crate::journal::{self, Journal};
 use crate::machine;
-use crate::network::NetworkPlant;
+use crate::network::{self, NetworkPlant, Origin};
 use core::num::NonZeroU32;
+use eclss_core::protocol::{Link, Role};
 use embassy_executor::InterruptExecutor;
 use registers::{LED, write};
+use uart::Uart;
 
 /// Length of one idle round.
 const IDLE_CYCLES: u32 = 200;
@@ -33,6 +37,7 @@ pub struct Mps2 {
     name: &'static str,
     overload: Option<semihosting::Overload>,
     tick: u32,
+    uart: Uart,
 }
 
 impl Board for Mps2 {
@@ -44,7 +49,7 @@ impl Board for Mps2 {
     fn counter(&self) -> u32 {
         timer::counter()
     }
-    fn read_inputs(&mut self, _inputs: &mut [f32]) {
+    fn read_inputs(&mut self, _converters: &mut Converters) {
         // A test asks for slow ticks by name; where else would an emulator's load come from?
         if let Some(overload) = self.overload.filter(|overload| overload.hits(self.tick)) {
             let begun = timer::counter();
@@ -52,8 +57,14 @@ impl Board for Mps2 {
         }
         self.tick += 1;
     }
-    fn write_outputs(&mut self, _outputs: &[f32]) {
-        write(LED, LIVE);
+    fn write_outputs(&mut self, _converters: &Converters, armed: bool) {
+        write(LED, if armed { LIVE } else { 0 });
+    }
+    fn read_link(&mut self, bytes: &mut [u8]) -> usize {
+        self.uart.read(bytes)
+    }
+    fn write_link(&mut self, bytes: &[u8]) -> usize {
+        self.uart.write(bytes)
     }
     fn safe_outputs(&mut self) {
         make_safe();
@@ -87,7 +98,7 @@ pub fn start(name: &'static str) -> ! {
         start_safe: reason != ResetReason::PowerOn,
         status_every: per_second,
     };
-    let board = Mps2 { name, overload: request.overload, tick: 0 };
+    let board = Mps2 { name, overload: request.overload, tick: 0, uart: Uart::start() };
     let journal = Journal::start(&board, &plant, &settings, reason);
     if reason != ResetReason::PowerOn {
         // Nobody is there to acknowledge the fault: tell and leave.
@@ -97,13 +108,32 @@ pub fn start(name: &'static str) -> ! {
         trap.spring();
     }
     let (teller, mut listener) = firmware::events(journal);
+    let role = if request.controls { Role::Controller } else { Role::Plant };
+    let link = network::compiled_in_link(&plant, role, timer::counter());
     let spawner = EXECUTOR.start(vectors::Irq::SPARE);
     // The task's storage is static and this is its only start.
-    spawner.spawn(looping(board, plant, settings, teller).expect("the loop starts once"));
+    if request.controls {
+        let link = link.unwrap_or_else(|| {
+            defmt::error!("the network has no channels to control");
+            semihosting::exit(false)
+        });
+        spawner.spawn(controlling(board, link, settings, teller).expect("the loop starts once"));
+    } else {
+        let coupling = match plant.origin() {
+            Origin::CompiledIn => network::compiled_in_coupling(link),
+            Origin::Loaded => Coupling::none(),
+        };
+        spawner.spawn(looping(board, plant, coupling, settings, teller).expect("the loop starts once"));
+    }
     // Counting instead of sleeping: when the processor sleeps, QEMU winds its clock on from another thread, which
     // now and then comes out two microseconds different. Time that passes by instructions alone never does.
+    // Against real hardware it has to keep step with the wall, and no log is compared.
     loop {
-        cortex_m::asm::delay(IDLE_CYCLES);
+        if request.sleeps {
+            cortex_m::asm::wfi();
+        } else {
+            cortex_m::asm::delay(IDLE_CYCLES);
+        }
         if let Heard::Ended { well } = listener.log() {
             journal::stack(machine::stack_use());
             semihosting::exit(well);
@@ -112,6 +142,17 @@ pub fn start(name: &'static str) -> ! {
 }
 
 #[embassy_executor::task]
-async fn looping(mut board: Mps2, mut plant: NetworkPlant, settings: Settings, teller: Teller) {
-    firmware::run(&mut board, &mut plant, &settings, teller).await;
+async fn looping(
+    mut board: Mps2,
+    mut plant: NetworkPlant,
+    mut coupling: Coupling<'static>,
+    settings: Settings,
+    teller: Teller,
+) {
+    firmware::run(&mut board, &mut plant, &mut coupling, &settings, teller).await;
+}
+
+#[embassy_executor::task]
+async fn controlling(mut board: Mps2, mut link: Link, settings: Settings, teller: Teller) {
+    firmware::control(&mut board, &mut link, &settings, teller).await;
 }

@@ -1,7 +1,7 @@
 //! ST's NUCLEO-H743ZI2: an STM32H743 (Cortex-M7) at 480 MHz from the 8 MHz that its debug probe feeds it.
 //!
-//! Inputs 0 and 1 are the voltages \[V\] at PA3 (A0 on the connector) and PC0 (A1), outputs 0 and 1 those at PA4 and
-//! PA5, all within 0…3.3 V. Two converters sample at 10 kHz, started by timer 6, so the loop finds a sample that
+//! Converters 0 and 1 of the process image are PA3 (A0 on the connector) and PC0 (A1) as inputs, 0…65 535 for
+//! 0…3.3 V, and PA4 and PA5 as outputs, 0…4 095 for 0…3.3 V. Two converters sample at 10 kHz, started by timer 6, so the loop finds a sample that
 //! is at most 0.1 ms old and never waits for one. The green LED (PB0) is lit while outputs are live.
 //!
 //! Source: ST UM2407 (board), RM0433 (device).
@@ -10,8 +10,9 @@ mod clocks;
 mod converters;
 mod memory;
 
-use crate::board::{Board, ResetReason};
+use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
+use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
 use crate::journal::{self, Journal};
 use crate::machine;
@@ -20,6 +21,7 @@ use converters::{Inputs, Outputs};
 use core::num::NonZeroU32;
 use cortex_m::peripheral::DWT;
 use defmt_rtt as _;
+use eclss_core::protocol::Role;
 use embassy_executor::InterruptExecutor;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt;
@@ -49,12 +51,12 @@ impl Board for Nucleo {
     fn counter(&self) -> u32 {
         DWT::cycle_count()
     }
-    fn read_inputs(&mut self, inputs: &mut [f32]) {
-        self.inputs.read(inputs);
+    fn read_inputs(&mut self, converters: &mut Converters) {
+        self.inputs.read(converters);
     }
-    fn write_outputs(&mut self, outputs: &[f32]) {
-        self.outputs.write(outputs);
-        self.live.set_high();
+    fn write_outputs(&mut self, converters: &Converters, armed: bool) {
+        self.outputs.write(converters);
+        self.live.set_level(if armed { Level::High } else { Level::Low });
     }
     fn safe_outputs(&mut self) {
         make_safe();
@@ -98,11 +100,13 @@ pub fn start() -> ! {
     watchdog.unleash();
     let board = Nucleo { inputs, outputs, watchdog, live };
     let journal = Journal::start(&board, &plant, &settings, reason);
+    let link = network::compiled_in_link(&plant, Role::Plant, DWT::cycle_count());
+    let coupling = network::compiled_in_coupling(link);
     let (teller, mut listener) = firmware::events(journal);
     interrupt::SWPMI1.set_priority(Priority::P6);
     let spawner = EXECUTOR.start(interrupt::SWPMI1);
     // The task's storage is static and this is its only start.
-    spawner.spawn(looping(board, plant, settings, teller).expect("the loop starts once"));
+    spawner.spawn(looping(board, plant, coupling, settings, teller).expect("the loop starts once"));
     let mut deepest = 0;
     loop {
         cortex_m::asm::wfi();
@@ -119,8 +123,14 @@ pub fn start() -> ! {
 }
 
 #[embassy_executor::task]
-async fn looping(mut board: Nucleo, mut plant: NetworkPlant, settings: Settings, teller: Teller) {
-    firmware::run(&mut board, &mut plant, &settings, teller).await;
+async fn looping(
+    mut board: Nucleo,
+    mut plant: NetworkPlant,
+    mut coupling: Coupling<'static>,
+    settings: Settings,
+    teller: Teller,
+) {
+    firmware::run(&mut board, &mut plant, &mut coupling, &settings, teller).await;
 }
 
 /// The single-wire protocol's interrupt, whose device is not used, runs the executor.

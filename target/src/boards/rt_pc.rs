@@ -3,8 +3,9 @@
 //! Without the right to real-time priority (`ulimit -r`, or `CAP_SYS_NICE`) it says so and runs all the same:
 //! the account then shows what the kernel made of it. It has no process inputs or outputs of its own.
 
-use crate::board::{Board, ResetReason};
+use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
+use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
 use crate::journal::Journal;
 use crate::network::{self, NetworkPlant};
@@ -46,8 +47,8 @@ impl Board for RtPc {
     fn counter(&self) -> u32 {
         nanoseconds() as u32
     }
-    fn read_inputs(&mut self, _inputs: &mut [f32]) {}
-    fn write_outputs(&mut self, _outputs: &[f32]) {}
+    fn read_inputs(&mut self, _converters: &mut Converters) {}
+    fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {}
     fn safe_outputs(&mut self) {}
     fn feed_watchdog(&mut self) {}
 }
@@ -127,7 +128,7 @@ fn load(path: &str) -> Result<NetworkPlant, Box<dyn Error>> {
 
 #[embassy_executor::task]
 async fn looping(mut plant: NetworkPlant, settings: Settings, teller: Teller) {
-    firmware::run(&mut RtPc, &mut plant, &settings, teller).await;
+    firmware::run(&mut RtPc, &mut plant, &mut Coupling::none(), &settings, teller).await;
 }
 
 /// What the command line asks for.

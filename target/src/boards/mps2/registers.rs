@@ -10,6 +10,12 @@ pub(super) const CTRL: u32 = 0x0;
 pub(super) const VALUE: u32 = 0x4;
 pub(super) const RELOAD: u32 = 0x8;
 pub(super) const INTCLEAR: u32 = 0xC;
+/// CMSDK UART 0.
+pub(super) const UART_DATA: u32 = 0x4000_4000;
+pub(super) const UART_STATE: u32 = 0x4000_4004;
+pub(super) const UART_CTRL: u32 = 0x4000_4008;
+pub(super) const UART_INTERRUPT: u32 = 0x4000_400C;
+pub(super) const UART_BAUD: u32 = 0x4000_4010;
 /// LEDs of the FPGA's I/O block.
 pub(super) const LED: u32 = 0x4002_8000;
 

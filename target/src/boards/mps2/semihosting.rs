@@ -53,12 +53,17 @@ fn dig(depth: u32) -> u32 {
 }
 
 /// What the emulator's command line asks for: words `seconds=N`, `image=PATH` (a network to load),
-/// `overload=FROM_TICK:TICKS:MICROSECONDS` and `trap=panic|address|stack`.
+/// `overload=FROM_TICK:TICKS:MICROSECONDS`, `trap=panic|address|stack`, `pace=real|free` (whether to keep step with
+/// the wall's clock) and `role=plant|controller`.
 pub(super) struct Request {
     pub(super) seconds: u32,
     pub(super) image: Option<String<LINE>>,
     pub(super) overload: Option<Overload>,
     pub(super) trap: Option<Trap>,
+    /// Whether the processor sleeps between ticks, so that the emulator keeps step with the wall's clock.
+    pub(super) sleeps: bool,
+    /// Whether this end of the link is the controller.
+    pub(super) controls: bool,
 }
 
 /// Reads the emulator's command line.
@@ -95,7 +100,8 @@ impl Request {
     /// Reads the command line. Ends the run when a word makes no sense: a test must not pass by a typing error.
     pub(super) fn read() -> Self {
         let line = command_line();
-        let mut request = Self { seconds: 10, image: None, overload: None, trap: None };
+        let mut request =
+            Self { seconds: 10, image: None, overload: None, trap: None, sleeps: false, controls: false };
         for word in line.split_ascii_whitespace() {
             if request.take(word).is_none() {
                 defmt::error!("cannot make sense of `{=str}`", word);
@@ -114,6 +120,20 @@ impl Request {
                 let mut numbers = value.split(':').map(|number| number.parse().ok());
                 let mut next = || numbers.next().flatten();
                 self.overload = Some(Overload { from_tick: next()?, ticks: next()?, duration_us: next()? });
+            }
+            "pace" => {
+                self.sleeps = match value {
+                    "real" => true,
+                    "free" => false,
+                    _ => return None,
+                }
+            }
+            "role" => {
+                self.controls = match value {
+                    "controller" => true,
+                    "plant" => false,
+                    _ => return None,
+                }
             }
             "trap" => {
                 self.trap = Some(match value {

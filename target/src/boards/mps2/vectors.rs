@@ -1,7 +1,7 @@
 //! Interrupt vectors: there is no device crate for these boards, so the table is written here.
 #![allow(unsafe_code, reason = "a vector table is placed by the linker and read by the processor")]
 
-use super::timer;
+use super::{timer, uart};
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 
@@ -10,6 +10,7 @@ use cortex_m::peripheral::NVIC;
 pub(super) struct Irq(u16);
 
 impl Irq {
+    pub(super) const UART0_RECEIVED: Self = Self(0);
     pub(super) const TIMER0: Self = Self(8);
     pub(super) const TIMER1: Self = Self(9);
     /// No device uses it: it runs the executor.
@@ -42,6 +43,7 @@ unsafe extern "C" {
 #[unsafe(no_mangle)]
 static __INTERRUPTS: [unsafe extern "C" fn(); 32] = {
     let mut table = [DefaultHandler as unsafe extern "C" fn(); 32];
+    table[Irq::UART0_RECEIVED.0 as usize] = uart::on_received;
     table[Irq::TIMER0.0 as usize] = timer::on_alarm;
     table[Irq::TIMER1.0 as usize] = timer::on_wrap;
     table[Irq::SPARE.0 as usize] = on_spare;

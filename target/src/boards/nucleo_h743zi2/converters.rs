@@ -1,5 +1,6 @@
 //! Analogue inputs and outputs, without a single wait in the loop.
 
+use crate::board::Converters;
 use embassy_stm32::Peri;
 use embassy_stm32::adc::{Adc, AdcChannel, Instance, SampleTime};
 use embassy_stm32::dac::Dac;
@@ -11,10 +12,7 @@ use embassy_stm32::peripherals::{ADC1, ADC2, DAC1, PA3, PA4, PA5, PC0, TIM6};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::{RoundTo, Timer};
 
-/// Supply and reference voltage of the converters \[V\].
-const FULL_V: f32 = 3.3;
-/// Largest result of the 16-bit input converters, and of the 12-bit output converters.
-const FULL_IN: f32 = 65_535.0;
+/// Largest count of the 12-bit output converters.
 const FULL_OUT: f32 = 4_095.0;
 /// Samples per second: several per tick, so that none is old.
 const SAMPLE_RATE: Hertz = Hertz(10_000);
@@ -44,11 +42,11 @@ impl Inputs {
         Self { _converters: (first, second), _timer: timer }
     }
 
-    /// Newest voltages \[V\].
+    /// Newest counts, 0…65 535 for 0…3.3 V.
     #[allow(clippy::unused_self, reason = "having the converters is the proof that they are set up")]
-    pub(super) fn read(&mut self, inputs: &mut [f32]) {
+    pub(super) fn read(&mut self, inputs: &mut Converters) {
         for (input, converter) in inputs.iter_mut().zip([pac::ADC1, pac::ADC2]) {
-            *input = f32::from(converter.dr().read().rdata()) * (FULL_V / FULL_IN);
+            *input = Some(f32::from(converter.dr().read().rdata()));
         }
     }
 }
@@ -80,11 +78,12 @@ impl Outputs {
         Self { _converter: Dac::new_blocking(dac, pin1, pin2) }
     }
 
-    /// Sets the voltages \[V\], limited to what the pins can give.
+    /// Sets counts, 0…4 095 for 0…3.3 V, limited to that.
     #[allow(clippy::unused_self, reason = "having the converter is the proof that it is set up")]
-    pub(super) fn write(&mut self, outputs: &[f32]) {
-        for (channel, volts) in outputs.iter().take(2).enumerate() {
-            let code = (volts.clamp(0.0, FULL_V) * (FULL_OUT / FULL_V)) as u16;
+    pub(super) fn write(&mut self, outputs: &Converters) {
+        for (channel, count) in outputs.iter().take(2).enumerate() {
+            let Some(count) = count else { continue };
+            let code = count.clamp(0.0, FULL_OUT) as u16;
             pac::DAC1.dhr12r(channel).write(|w| w.set_dhr(code));
         }
     }
