@@ -11,6 +11,7 @@ mod bed;
 mod fan;
 mod head_curve;
 mod heat_exchanger;
+mod measured;
 mod pipe;
 mod pump;
 mod reference_pipe;
@@ -20,6 +21,7 @@ pub use bed::Bed;
 pub use fan::Fan;
 pub use head_curve::HeadCurve;
 pub use heat_exchanger::HeatExchanger;
+pub use measured::Measured;
 pub use pipe::Pipe;
 pub use pump::Pump;
 pub use reference_pipe::ReferencePipe;
@@ -182,6 +184,8 @@ pub enum StdElement {
     HeatExchanger(HeatExchanger),
     /// Adsorption bed, as a resistance with a species taken out.
     Bed(Bed),
+    /// Real hardware whose flow is an input.
+    Measured(Measured),
 }
 
 /// Calls one method of the element inside, whichever it is.
@@ -195,6 +199,7 @@ macro_rules! each {
             StdElement::Pump($inner) => $call,
             StdElement::HeatExchanger($inner) => $call,
             StdElement::Bed($inner) => $call,
+            StdElement::Measured($inner) => $call,
         }
     };
 }

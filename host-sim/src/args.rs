@@ -103,6 +103,13 @@ pub(crate) struct CheckArgs {
     pub(crate) network: PathBuf,
     #[command(flatten)]
     pub(crate) stepping: Stepping,
+    /// Also examine the coupling to hardware: causality, delay and stability of every pair of bound signals.
+    #[arg(long)]
+    pub(crate) hil: bool,
+    /// Ticks that link and hardware add to the delay of the loop, beside the one of the exchange itself.
+    #[arg(long, value_name = "TICKS", default_value_t = 0, requires = "hil",
+        value_parser = clap::value_parser!(u32).range(0..=1_000))]
+    pub(crate) extra_delay: u32,
     /// Write what was read to this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) save: Option<PathBuf>,

@@ -4,6 +4,7 @@
 mod args;
 mod buffers;
 mod command;
+pub mod coupling;
 mod duration;
 mod failure;
 #[cfg(feature = "hil")]

@@ -196,6 +196,13 @@ pub enum ElementKind {
         /// Share of the species that is captured [1].
         capture_efficiency: f64,
     },
+    /// Real hardware, whose flow is an input.
+    Measured {
+        /// Largest flow that is believed [kg/s].
+        largest_flow_kg_s: f64,
+        /// How strongly its flow answers to pressure, at most [kg/(s·Pa)].
+        slope_kg_s_pa: f64,
+    },
 }
 
 /// A quadratic loss, given in one of two ways.

@@ -3,7 +3,7 @@
 //! Derived parameters are computed in `f64` and rounded once, so that a file gives the same bits on every
 //! machine.
 
-use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
 use eclss_core::{StdElement, air};
 
 use crate::document::{Curve, ElementEntry, ElementKind, Loss};
@@ -68,6 +68,10 @@ impl Conversion<'_> {
                 resistance_pa_s2_kg2: self.resistance(loss),
                 mass_fraction: *mass_fraction as f32,
                 capture_efficiency: *capture_efficiency as f32,
+            }),
+            ElementKind::Measured { largest_flow_kg_s, slope_kg_s_pa } => StdElement::Measured(Measured {
+                largest_flow_kg_s: *largest_flow_kg_s as f32,
+                slope_kg_s_pa: *slope_kg_s_pa as f32,
             }),
         }
     }

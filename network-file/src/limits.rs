@@ -115,6 +115,10 @@ pub const AREA: Range = range(1e-8, 1e4, "m²");
 pub const INERTANCE: Range = range(0.0, 1e12, "1/m");
 /// Fractions, efficiencies and openings.
 pub const FRACTION: Range = range(0.0, 1.0, "1");
+/// Flows of real hardware.
+pub const MEASURED_FLOW: Range = range(1e-6, 100.0, "kg/s");
+/// How strongly they answer to pressure.
+pub const MEASURED_SLOPE: Range = range(1e-9, 1e3, "kg/(s·Pa)");
 /// Leakage openings.
 pub const LEAKAGE: Range = range(1e-4, 1.0, "1");
 /// Exponents of a valve's opening.

@@ -16,7 +16,8 @@ use crate::table::Table;
 
 /// Kinds of node and of element, as written.
 const NODE_KINDS: [&str; 3] = ["cabin", "junction", "boundary"];
-const ELEMENT_KINDS: [&str; 7] = ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed"];
+const ELEMENT_KINDS: [&str; 8] =
+    ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed", "measured"];
 
 /// Reads the whole text; the document counts only if there are no findings.
 pub(crate) fn read(text: &str, notes: &mut Notes) -> Option<NetworkFile> {
@@ -160,6 +161,10 @@ fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
             loss: read_loss(element),
             liquid_fraction: element.need_number("liquid_fraction", &limits::FRACTION),
             separator_efficiency: element.need_number("separator_efficiency", &limits::FRACTION),
+        },
+        "measured" => ElementKind::Measured {
+            largest_flow_kg_s: element.need_number("largest_flow_kg_s", &limits::MEASURED_FLOW),
+            slope_kg_s_pa: element.need_number("slope_kg_s_pa", &limits::MEASURED_SLOPE),
         },
         _ => ElementKind::Bed {
             loss: read_loss(element),

@@ -34,7 +34,7 @@ impl Loaded {
         text.push_str("// Generated from a network file; do not edit.\n\n");
         text.push_str(
             "#[allow(unused_imports)] // a network need not have every kind of element\n\
-             use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};\n\
+             use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};\n\
              #[allow(unused_imports)] // nor channels\n\
              use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
              Point, Port, Scaling,\n};\n\

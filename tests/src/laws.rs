@@ -36,6 +36,8 @@ pub fn part(element: &StdElement, input: f64) -> Part {
             let resistance = f64::from(bed.resistance_pa_s2_kg2);
             Part { resistance, removal: 1.0 / (1.0 - caught) - 1.0, ..Part::default() }
         }
+        // Its flow is given, so that no loop is made of it.
+        StdElement::Measured(_) => Part { resistance: f64::INFINITY, ..Part::default() },
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use eclss_core::{Method, NodeKind, Proof};
 
 use crate::args::CheckArgs;
+use crate::coupling::{self, Causality, Coupling};
 use crate::linear::{LineModel, eigenvalues, spectral_radius, worst};
 use crate::output::write_text;
 use crate::refusal::refused;
@@ -38,7 +39,14 @@ pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> 
     writeln!(out, "network id  {:016x}", network.id())?;
     writeln!(out, "run         {} at {} until {}", plan.settings.method.name(), plan.step(), plan.until())?;
     write_contents(out, &source)?;
-    let warnings = write_margins(out, &source, &plan)?;
+    let mut warnings = write_margins(out, &source, &plan)?;
+    let mut refusals = Vec::new();
+    if args.hil {
+        let coupling = coupling::examine(loaded, plan.settings, args.extra_delay);
+        write_coupling(out, &coupling)?;
+        warnings.extend(coupling.warnings);
+        refusals = coupling.refusals;
+    }
     writeln!(out)?;
     for warning in &warnings {
         writeln!(out, "warning: {warning}")?;
@@ -47,7 +55,38 @@ pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> 
         write_text(path, &loaded.file.to_toml())?;
         writeln!(out, "written: {}", path.display())?;
     }
+    for refusal in &refusals {
+        writeln!(out, "refused: {refusal}")?;
+    }
+    if !refusals.is_empty() {
+        return Err(Failure::Reported);
+    }
     writeln!(out, "good, {} warnings", warnings.len())?;
+    Ok(())
+}
+
+/// Every pair of bound signals with its margin.
+fn write_coupling(out: &mut dyn Write, coupling: &Coupling) -> Result<(), Failure> {
+    writeln!(out, "coupling    h·c·G against what the delay of the loop allows")?;
+    for pair in &coupling.pairs {
+        let outputs = if pair.outputs.is_empty() { "no output".to_owned() } else { pair.outputs.join(", ") };
+        write!(out, "  {} ← {outputs}: ", pair.input)?;
+        match (pair.causality, pair.gain, pair.limit, pair.margin) {
+            (Causality::PressureOutFlowIn, Some(gain), Some(limit), Some(margin)) => writeln!(
+                out,
+                "pressure out, flow in; delay {:.2} ticks, h·c·G {gain:.4}, limit {limit:.4}, margin {margin:.3}",
+                pair.delay_ticks
+            )?,
+            _ => writeln!(
+                out,
+                "signal; delay {:.2} ticks; stores nothing, its loop is the controller's",
+                pair.delay_ticks
+            )?,
+        }
+    }
+    if let (Some(gain), Some(margin)) = (coupling.gain_together, coupling.margin_together) {
+        writeln!(out, "  all measured lines together: h·c·G {gain:.4}, margin {margin:.3}")?;
+    }
     Ok(())
 }
 

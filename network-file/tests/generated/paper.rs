@@ -1,7 +1,7 @@
 // Generated from a network file; do not edit.
 
 #[allow(unused_imports)] // a network need not have every kind of element
-use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,

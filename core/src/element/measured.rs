@@ -1,0 +1,86 @@
+//! Measured line: a real fan, duct or valve between two nodes of the plant, whose mass flow comes in as an input.
+//!
+//! `w = w_measured`, written as the law of a source with a resistance so large that no pressure moves the flow:
+//! `p_in − p_out = L·w − L·w_measured`, L = 1e9 Pa·s/kg. A pressure difference of 1 kPa changes the flow by 1 mg/s,
+//! and the mass that leaves one node is the mass that enters the other.
+//!
+//! Source: the Norton equivalent of a source; assumed. The plant gives out the pressures of both nodes, hardware
+//! answers with its flow a little later: `eclss-rt check --hil` says whether that loop is stable. Not for
+//! `relaxation` and `euler`, whose flow rows would take 1e9 s to follow.
+
+use super::{Element, InputSpec, Law, Operating, ParameterError};
+use crate::Fingerprint;
+
+/// Fixed data of one measured line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Measured {
+    /// Largest flow in either direction that is believed [kg/s]; finite and > 0.
+    pub largest_flow_kg_s: f32,
+    /// How strongly the hardware's flow answers to pressure, |dw/dp| at most [kg/(s·Pa)]; finite and > 0. The step
+    /// does not use it, the check of the coupling does.
+    pub slope_kg_s_pa: f32,
+}
+
+impl Measured {
+    /// L [Pa·s/kg].
+    const RESISTANCE: f32 = 1e9;
+}
+
+impl Element for Measured {
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        let (min, max) = (-self.largest_flow_kg_s, self.largest_flow_kg_s);
+        let flow = InputSpec { name: "measured_flow", unit: "kg/s", min, max, default: 0.0 };
+        (index == 0).then_some(flow)
+    }
+
+    #[inline]
+    fn is_active(&self) -> bool {
+        true
+    }
+
+    #[inline]
+    fn law(&self, at: &Operating<'_>) -> Law {
+        let flow_kg_s = at.inputs.first().copied().unwrap_or(0.0);
+        Law { resistance: 0.0, linear: Self::RESISTANCE, head: Self::RESISTANCE * flow_kg_s }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_positive("largest_flow_kg_s", self.largest_flow_kg_s)?;
+        ParameterError::unless_positive("slope_kg_s_pa", self.slope_kg_s_pa)
+    }
+
+    fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(32);
+        hash.values(&[self.largest_flow_kg_s, self.slope_kg_s_pa]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RIG: Measured = Measured { largest_flow_kg_s: 0.2, slope_kg_s_pa: 1e-3 };
+
+    /// Whatever the pressure difference, the flow of the law is the measured one to a part in a million of its range.
+    #[test]
+    fn the_flow_is_the_measured_one() {
+        for flow in [-0.2f32, -0.01, 0.0, 0.0865, 0.2] {
+            for drop_pa in [-1_000.0f32, 0.0, 100.0] {
+                let law = RIG.law(&Operating { inputs: &[flow], mass_flow_kg_s: 0.1, density_ratio: 1.0 });
+                let driven = (drop_pa + law.head) / law.linear;
+                assert!((driven - flow).abs() <= 1.1e-6, "{driven}");
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_are_checked() {
+        assert_eq!(RIG.check(), Ok(()));
+        for wrong in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(Measured { largest_flow_kg_s: wrong, ..RIG }.check().is_err());
+            assert!(Measured { slope_kg_s_pa: wrong, ..RIG }.check().is_err());
+        }
+    }
+}
