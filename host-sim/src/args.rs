@@ -42,6 +42,84 @@ pub(crate) enum Command {
     Schematic(SchematicArgs),
     /// Run a network at the clock's pace and show it in the browser.
     Serve(ServeArgs),
+    /// Run the plant in real time with hardware on it, or none.
+    #[cfg(feature = "hil")]
+    Hil(HilArgs),
+    /// Run a recorded run again and compare how it ends.
+    #[cfg(feature = "hil")]
+    Replay(ReplayArgs),
+}
+
+/// Arguments of `hil`.
+#[cfg(feature = "hil")]
+#[derive(Debug, Args)]
+pub(crate) struct HilArgs {
+    /// Network file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) network: PathBuf,
+    /// Where hardware is: serial:PORT[@BAUD], udp:[ADDRESS:]PORT, unix:PATH (connects) or unix-listen:PATH.
+    #[arg(long, value_name = "LINK")]
+    pub(crate) link: Option<String>,
+    /// The one peer that is heard over UDP.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub(crate) peer: Option<String>,
+    /// Method; the file's when absent.
+    #[arg(long, value_name = "M", value_parser = method)]
+    pub(crate) method: Option<Method>,
+    /// Ticks and steps per second; the file's step when absent.
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) rate: Option<u32>,
+    /// How long the loop runs, such as 60s; until `quit` or an interrupt when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) duration: Option<Duration>,
+    /// Arm hardware as soon as inputs are good and outputs have arrived.
+    #[arg(long)]
+    pub(crate) arm: bool,
+    /// Take orders from the standard input: arm, hold, resume, disarm, acknowledge, restart, stop, quit, pause,
+    /// step [N], go, speed X.
+    #[arg(long)]
+    pub(crate) operator: bool,
+    /// Core on which the loop runs; any when absent.
+    #[arg(long, value_name = "N")]
+    pub(crate) core: Option<usize>,
+    /// So many times as fast as real time (inf: as fast as it goes); only without hardware.
+    #[arg(long, value_name = "X")]
+    pub(crate) speed: Option<f64>,
+    /// Folder for the record: record.csv, record.mcap, captures.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) record: Option<PathBuf>,
+    /// Time of a row in the record, which keeps smallest and largest values.
+    #[arg(long, value_name = "TIME", default_value = "10ms")]
+    pub(crate) every: Duration,
+    /// What is captured tick by tick: overrun, safe, NAME>VALUE or NAME<VALUE; may be given again.
+    #[arg(long, value_name = "TRIGGER")]
+    pub(crate) capture: Vec<String>,
+    /// How long before and after it.
+    #[arg(long, value_name = "TIME", default_value = "500ms")]
+    pub(crate) around: Duration,
+    /// Start from the state in this file, which --checkpoint left.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) start: Option<PathBuf>,
+    /// Leave the state at the end in this file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Make a tick longer on purpose, such as 2000:5ms, to see that it is noticed.
+    #[arg(long, value_name = "TICK:TIME")]
+    pub(crate) stall: Option<String>,
+    /// Print one JSON object at the end instead of lines and a table.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `replay`.
+#[cfg(feature = "hil")]
+#[derive(Debug, Args)]
+pub(crate) struct ReplayArgs {
+    /// The record, record.mcap.
+    pub(crate) record: PathBuf,
+    /// Print one JSON object instead of lines.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Arguments of `paper`.

@@ -3,6 +3,8 @@
 mod bench;
 mod check;
 mod generate;
+#[cfg(feature = "hil")]
+mod hil;
 mod paper;
 mod run;
 mod schematic;
@@ -60,6 +62,10 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Steady(args)) => steady::run(args, out),
         Some(Command::Schematic(args)) => schematic::run(args, out),
         Some(Command::Serve(args)) => serve::run(args, out),
+        #[cfg(feature = "hil")]
+        Some(Command::Hil(args)) => hil::run(args, out),
+        #[cfg(feature = "hil")]
+        Some(Command::Replay(args)) => hil::run_replay(args, out),
     }
 }
 

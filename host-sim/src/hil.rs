@@ -1,8 +1,15 @@
 //! Hardware in the loop on a Linux computer: the loop of `eclss_target::control` at a fixed rate, with a link to
 //! hardware, a recorder and a report.
 
+pub mod board;
 pub mod handover;
 pub mod link;
+pub mod pace;
+pub mod plant;
 pub mod realtime;
 pub mod recorder;
+pub mod replay;
+pub mod report;
+pub mod runner;
+pub mod tap;
 pub mod timing;

@@ -55,6 +55,11 @@ impl Source {
         path.map_or_else(Self::paper, Self::file)
     }
 
+    /// Reads the bytes of a network file that is called `file` in messages and comes from `name`.
+    pub fn text(bytes: &[u8], file: &str, name: String) -> Result<Self, Failure> {
+        Self::bytes(bytes, file, name)
+    }
+
     fn bytes(bytes: &[u8], file: &str, name: String) -> Result<Self, Failure> {
         let loaded = parse_bytes(bytes, file)
             .map_err(|error| Failure::BadInput(explain(&error, &String::from_utf8_lossy(bytes))))?;

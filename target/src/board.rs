@@ -1,5 +1,6 @@
 //! The one seam between the application and a board.
 
+use eclss_core::mode::Request;
 use eclss_core::process::CONVERTERS;
 use embassy_time::{Instant, Timer};
 
@@ -54,6 +55,10 @@ pub trait Board {
     /// Hands over bytes for the link; returns how many were taken. The rest is offered again.
     fn write_link(&mut self, bytes: &[u8]) -> usize {
         bytes.len()
+    }
+    /// What an operator at this board asks for, once; nobody is there on most boards.
+    fn request(&mut self) -> Option<Request> {
+        None
     }
     /// Puts every output into the state in which connected hardware is harmless. May be called at any time
     /// and any number of times.

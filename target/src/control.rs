@@ -131,6 +131,10 @@ pub async fn run<B: Board, P: Plant>(
             coupling.write(board, tick, &state.machine, begun_us);
         }
         let read_counts = board.counter().wrapping_sub(begun);
+        if let Some(request) = board.request() {
+            // Who asks here sees by the mode whether it was granted.
+            let _ = state.command(Command::Mode(request), plant, coupling);
+        }
         state.prepare(plant, coupling);
         if let Some(cause) = state.trouble(coupling) {
             state.fail(cause, board, coupling, tick, &mut tell);

@@ -21,8 +21,10 @@ use wire::{Opener, Wire};
 
 /// How often a lost link is tried again.
 const RETRY: Duration = Duration::from_millis(50);
-/// Longest frame that is kept when only a part of it went out [bytes].
-const PENDING: usize = 2_048;
+/// Largest datagram that is taken whole [bytes].
+const DATAGRAM: usize = 2_048;
+/// Most datagrams that one call looks at, so that no flood of empty ones makes it long.
+const DATAGRAMS: usize = 16;
 
 /// What a link did with bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -31,8 +33,8 @@ pub struct LinkCounts {
     pub bytes_in: u64,
     /// Bytes that went out.
     pub bytes_out: u64,
-    /// Frames that were not sent: no other side, or it does not keep up.
-    pub unsent_frames: u64,
+    /// Bytes that nobody was there to take.
+    pub bytes_unsent: u64,
     /// How often the other side went away.
     pub lost: u64,
     /// How often there was another side again, the first time included.
@@ -46,9 +48,10 @@ pub struct Link {
     fresh: Consumer<Wire>,
     worn: Producer<Wire>,
     wanted: Arc<AtomicBool>,
-    pending: [u8; PENDING],
-    pending_from: usize,
-    pending_to: usize,
+    /// What has come and has not been asked for.
+    came: [u8; DATAGRAM],
+    came_from: usize,
+    came_to: usize,
     counts: LinkCounts,
 }
 
@@ -90,9 +93,9 @@ pub fn open(address: &Address) -> Result<(Link, Keeper), Failure> {
         fresh,
         worn,
         wanted,
-        pending: [0; PENDING],
-        pending_from: 0,
-        pending_to: 0,
+        came: [0; DATAGRAM],
+        came_from: 0,
+        came_to: 0,
         counts: LinkCounts::default(),
     };
     Ok((link, Keeper { ends, thread: Some(thread) }))
@@ -109,30 +112,60 @@ impl Drop for Keeper {
 }
 
 impl Link {
-    /// Reads what is there: one datagram, or a part of the stream. 0 when there is nothing more for now.
+    /// Reads what is there, as much as `buffer` holds; 0 when there is nothing for now. The rest waits.
     pub fn read(&mut self, buffer: &mut [u8]) -> usize {
         self.renew();
-        let Some(wire) = &mut self.wire else { return 0 };
-        match wire.read(buffer) {
+        let mut length = 0;
+        for _ in 0..DATAGRAMS {
+            let came = self.came.get(self.came_from..self.came_to).unwrap_or(&[]);
+            let place = buffer.get_mut(length..).unwrap_or(&mut []);
+            let count = came.len().min(place.len());
+            for (place, byte) in place.iter_mut().zip(came) {
+                *place = *byte;
+            }
+            length += count;
+            self.came_from += count;
+            if length == buffer.len() || !self.refill() {
+                break;
+            }
+        }
+        self.counts.bytes_in += length as u64;
+        length
+    }
+
+    /// Takes the next datagram or part of the stream in; returns whether there was one.
+    fn refill(&mut self) -> bool {
+        let Some(wire) = &mut self.wire else { return false };
+        match wire.read(&mut self.came) {
             Ok(length) => {
-                self.counts.bytes_in += length as u64;
-                length
+                (self.came_from, self.came_to) = (0, length);
+                length > 0
             }
             Err(wire::Gone) => {
                 self.lose();
-                0
+                false
             }
         }
     }
 
-    /// Sends one frame, or drops it whole where the other side does not take it. Returns whether it was taken.
-    pub fn write(&mut self, frame: &[u8]) -> bool {
+    /// Hands over bytes and returns how many were taken; the rest is to be offered again. Where there is no other
+    /// side they are taken and lost, because what it would find later is old.
+    pub fn write(&mut self, bytes: &[u8]) -> usize {
         self.renew();
-        let taken = self.send_pending() && self.send(frame);
-        if !taken {
-            self.counts.unsent_frames += 1;
+        let Some(wire) = &mut self.wire else {
+            self.counts.bytes_unsent += bytes.len() as u64;
+            return bytes.len();
+        };
+        match wire.write(bytes) {
+            Ok(sent) => {
+                self.counts.bytes_out += sent as u64;
+                sent
+            }
+            Err(wire::Gone) => {
+                self.lose();
+                bytes.len()
+            }
         }
-        taken
     }
 
     /// Whether there is another side, as far as is known.
@@ -151,7 +184,7 @@ impl Link {
         {
             self.wire = Some(wire);
             self.counts.opened += 1;
-            (self.pending_from, self.pending_to) = (0, 0);
+            (self.came_from, self.came_to) = (0, 0);
         }
     }
 
@@ -163,44 +196,6 @@ impl Link {
                 drop(wire);
             }
             self.wanted.store(true, Ordering::Release);
-        }
-    }
-
-    /// Sends the rest of a frame of which a part went out before. Returns whether nothing is left.
-    fn send_pending(&mut self) -> bool {
-        let rest = self.pending.get(self.pending_from..self.pending_to).unwrap_or(&[]);
-        if rest.is_empty() {
-            return true;
-        }
-        let Some(wire) = &mut self.wire else { return false };
-        let Ok(sent) = wire.write(rest) else {
-            self.lose();
-            return false;
-        };
-        self.counts.bytes_out += sent as u64;
-        self.pending_from += sent;
-        self.pending_from >= self.pending_to
-    }
-
-    fn send(&mut self, frame: &[u8]) -> bool {
-        let Some(wire) = &mut self.wire else { return false };
-        let Ok(sent) = wire.write(frame) else {
-            self.lose();
-            return false;
-        };
-        self.counts.bytes_out += sent as u64;
-        let rest = frame.get(sent..).unwrap_or(&[]);
-        if sent == 0 && !rest.is_empty() {
-            return false;
-        }
-        // A stream that took a part must get the rest, or the frame after it is spoilt too.
-        match self.pending.get_mut(..rest.len()) {
-            Some(place) => {
-                place.copy_from_slice(rest);
-                (self.pending_from, self.pending_to) = (0, rest.len());
-                true
-            }
-            None => false,
         }
     }
 }
@@ -233,7 +228,7 @@ mod tests {
         let address = Address::Unix { path: path.clone(), listens: false };
         let (mut link, _keeper) = open(&address).unwrap();
         let mut buffer = [0; 64];
-        assert_eq!((link.read(&mut buffer), link.write(b"nobody")), (0, false));
+        assert_eq!((link.read(&mut buffer), link.write(b"nobody")), (0, 6));
         let listener = UnixListener::bind(&path).unwrap();
         for round in 1..=3 {
             let (mut other, _) = listener.accept().unwrap();
@@ -244,14 +239,14 @@ mod tests {
                 length > 0
             });
             assert_eq!(&buffer[..length], b"hello");
-            assert!(link.write(b"yes"));
+            assert_eq!(link.write(b"yes"), 3);
             other.read_exact(&mut buffer[..3]).unwrap();
             assert_eq!(&buffer[..3], b"yes");
             drop(other);
             until(|| link.read(&mut buffer) == 0 && !link.is_open());
             assert_eq!((link.counts().opened, link.counts().lost), (round, round));
         }
-        assert_eq!(link.counts().unsent_frames, 1);
+        assert_eq!(link.counts().bytes_unsent, 6);
         let _ = std::fs::remove_file(path);
     }
 
@@ -266,30 +261,54 @@ mod tests {
         until(|| link.read(&mut buffer) == 5);
     }
 
-    /// A side that does not read cannot make a call wait, and what it does get stays in whole frames.
+    /// A side that does not read cannot make a call wait, and gets everything that was taken, in order.
     #[test]
-    fn a_side_that_does_not_keep_up_loses_whole_frames() {
+    fn a_side_that_does_not_keep_up_makes_nobody_wait() {
         let path = socket("slow");
         let address = Address::Unix { path: path.clone(), listens: true };
         let (mut link, _keeper) = open(&address).unwrap();
         let mut other = UnixStream::connect(&path).unwrap();
-        until(|| link.write(&[0]));
-        let mut sent = 0usize;
-        for _ in 0..10_000 {
+        until(|| {
+            link.renew();
+            link.is_open()
+        });
+        let mut sent = Vec::new();
+        for number in 0..10_000u32 {
             let begun = Instant::now();
-            sent += usize::from(link.write(&[[1; 99].as_slice(), &[0]].concat()));
+            let bytes = [number.to_le_bytes(); 25].concat();
+            sent.extend_from_slice(&bytes[..link.write(&bytes)]);
             assert!(begun.elapsed() < Duration::from_secs(1));
         }
-        assert!(sent < 10_000 && link.counts().unsent_frames > 0);
+        assert!(sent.len() < 1_000_000);
         other.set_read_timeout(Some(Duration::from_millis(200))).unwrap();
         let mut all = Vec::new();
         // Ends with the time-out, after everything that is there.
         let _ = other.read_to_end(&mut all);
-        until(|| link.send_pending());
-        let _ = other.read_to_end(&mut all);
-        let frames: Vec<usize> = all[1..].split_inclusive(|byte| *byte == 0).map(<[u8]>::len).collect();
-        assert_eq!(frames.len(), sent);
-        assert!(frames.iter().all(|length| *length == 100));
+        assert!(all == sent);
+    }
+
+    /// Datagrams come out as one stream of bytes, whatever is asked for at a time.
+    #[test]
+    fn datagrams_larger_than_a_call_are_not_cut() {
+        let ours = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let peer = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = Address::Udp { local: ours, peer: peer.local_addr().unwrap() };
+        let (mut link, _keeper) = open(&address).unwrap();
+        until(|| {
+            link.renew();
+            link.is_open()
+        });
+        let sent: Vec<u8> = (0..1_500u32).map(|number| number as u8).collect();
+        for part in sent.chunks(700) {
+            peer.send_to(part, ours).unwrap();
+        }
+        let (mut all, mut buffer) = (Vec::new(), [0; 256]);
+        until(|| {
+            let length = link.read(&mut buffer);
+            all.extend_from_slice(&buffer[..length]);
+            all.len() == sent.len()
+        });
+        assert!(all == sent);
     }
 
     #[test]
@@ -316,7 +335,7 @@ mod tests {
         });
         assert_eq!(heard.last().map(Vec::as_slice), Some(b"peer".as_slice()));
         assert!(heard.iter().all(|bytes| bytes.is_empty() || bytes == b"peer"));
-        assert!(link.write(b"answer"));
+        assert_eq!(link.write(b"answer"), 6);
         assert_eq!(peer.recv(&mut buffer).unwrap(), 6);
     }
 }

@@ -3,7 +3,7 @@
 //! | topic | what |
 //! |---|---|
 //! | `/plant` | decimated figures: last, `_min` and `_max` |
-//! | `/inputs` | value and slope of every live input where they change, in digits that give the same bits back |
+//! | `/inputs` | value and slope of every input slot where they change, as numbers and as bits |
 //! | `/capture` | every tick around a trigger |
 //! | `/events` | captures and what pulled them |
 //!
@@ -108,17 +108,24 @@ impl<W: Write + Seek> Container<W> {
         self.write(0, bucket.last.head.begun_us, &Value::Object(message))
     }
 
-    /// Writes the inputs of a tick in which the plant stepped, where they differ from those of the step before.
+    /// Writes the inputs that were set for a step, where they are not those of the step before; null for one that was
+    /// left as it is. `ended` is the last step before a restart of the plant. A replay reads the bits.
     pub(super) fn inputs(&mut self, row: &Row) -> McapResult<()> {
-        // The first step after a restart is a step 1 again.
-        let follows = self.plant_tick.is_some_and(|last| row.head.plant_tick > last);
-        self.plant_tick = Some(row.head.plant_tick);
+        let last = self.plant_tick.replace(row.head.plant_tick);
+        let restarted = last.filter(|last| *last >= row.head.plant_tick);
         let bits = |pair: &[f32; 2]| pair.map(f32::to_bits);
-        if follows && self.inputs.iter().copied().eq(row.inputs.iter().map(bits)) {
+        if last.is_some()
+            && restarted.is_none()
+            && self.inputs.iter().copied().eq(row.inputs.iter().map(bits))
+        {
             return Ok(());
         }
         self.inputs = row.inputs.iter().map(bits).collect();
-        let message = json!({ "step": row.head.plant_tick, "values": row.inputs });
+        let values: Vec<[Value; 2]> =
+            row.inputs.iter().map(|[value, slope]| [number(Some(value)), number(Some(slope))]).collect();
+        let message = json!({
+            "step": row.head.plant_tick, "ended": restarted, "values": values, "bits": self.inputs,
+        });
         self.write(1, row.head.begun_us, &message)
     }
 

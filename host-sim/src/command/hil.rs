@@ -1,0 +1,111 @@
+//! `eclss-rt hil` and `eclss-rt replay`: the real-time loop with hardware, and a recorded run once more.
+
+use std::io::Write;
+
+use eclss_core::Settings;
+
+use crate::args::{HilArgs, ReplayArgs};
+use crate::hil::link::Address;
+use crate::hil::pace::Pace;
+use crate::hil::recorder::Trigger;
+use crate::hil::replay::replay;
+use crate::hil::report::write_report;
+use crate::hil::runner::{self, Job, RecordWishes};
+use crate::run::{Plan, Wishes};
+use crate::{Duration, Failure, Source};
+
+/// Runs the loop and reports. A run that ends in SAFE is reported like any other and then fails.
+pub(super) fn run(args: &HilArgs, out: &mut dyn Write) -> Result<(), Failure> {
+    let source = Source::file(&args.network)?;
+    let job = job(args, &source)?;
+    if job.shows {
+        let link = job.link.as_ref().map_or("none".to_owned(), ToString::to_string);
+        writeln!(out, "network {}, link {link}", source.name)?;
+    }
+    let report = runner::run(&source, &job, out)?;
+    if args.json {
+        let text = serde_json::to_string_pretty(&report)
+            .map_err(|error| Failure::Failed(format!("cannot write the report: {error}")))?;
+        writeln!(out, "{text}")?;
+    } else {
+        writeln!(out)?;
+        write_report(out, &report)?;
+    }
+    if report.cause.is_some() { Err(Failure::Reported) } else { Ok(()) }
+}
+
+fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
+    let bad = |what: &str, why: &str| Failure::BadInput(format!("{what}: {why}"));
+    let step = match args.rate {
+        None => None,
+        Some(rate) => {
+            let step_us = 1_000_000 / u64::from(rate);
+            if step_us * u64::from(rate) != 1_000_000 {
+                return Err(bad("--rate", "the period must be a whole number of microseconds"));
+            }
+            Some(Duration::from_us(step_us))
+        }
+    };
+    let wishes = Wishes { method: args.method, step, until: args.duration, ..Wishes::default() };
+    let plan = Plan::new(source, &wishes)?;
+    let Settings { step_us, .. } = plan.settings;
+    let link = args.link.as_deref().map(|text| Address::read(text, args.peer.as_deref())).transpose();
+    let link = link.map_err(|error| bad("--link", &error.to_string()))?;
+    let read = |text: &String| text.parse().map_err(|why: String| bad("--capture", &why));
+    let triggers = args.capture.iter().map(read).collect::<Result<Vec<Trigger>, _>>()?;
+    let in_ticks = |time: Duration| time.us() / u64::from(step_us).max(1);
+    let record = args.record.as_ref().map(|folder| RecordWishes {
+        folder: folder.clone(),
+        every: in_ticks(args.every).max(1),
+        triggers: triggers.clone(),
+        around: (in_ticks(args.around) as usize, in_ticks(args.around)),
+    });
+    if record.is_none() && !triggers.is_empty() {
+        return Err(bad("--capture", "needs --record"));
+    }
+    let start = args.start.as_ref().map(|path| {
+        std::fs::read(path)
+            .map_err(|error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display())))
+    });
+    let stall = args.stall.as_deref().map(stall).transpose().map_err(|why| bad("--stall", &why))?;
+    Ok(Job {
+        settings: plan.settings,
+        link,
+        ticks: args.duration.map(in_ticks),
+        pace: match args.speed {
+            None => Pace::Real,
+            Some(speed) => Pace::Scaled(speed),
+        },
+        core: args.core,
+        arm: args.arm,
+        record,
+        start: start.transpose()?,
+        checkpoint: args.checkpoint.clone(),
+        stall,
+        operator: args.operator,
+        shows: !args.json,
+    })
+}
+
+/// Reads a stall, as in `2000:5ms`.
+fn stall(text: &str) -> Result<crate::hil::board::Stall, String> {
+    let parts = text.split_once(':').and_then(|(tick, by)| Some((tick.parse().ok()?, by.parse().ok()?)));
+    let (tick, by): (u64, Duration) = parts.ok_or("a tick and how much longer it takes, as in 2000:5ms")?;
+    Ok(crate::hil::board::Stall { tick, by: std::time::Duration::from_micros(by.us()) })
+}
+
+/// Replays a record.
+pub(super) fn run_replay(args: &ReplayArgs, out: &mut dyn Write) -> Result<(), Failure> {
+    let replayed = replay(&args.record)?;
+    if args.json {
+        let text = serde_json::to_string_pretty(&replayed)
+            .map_err(|error| Failure::Failed(format!("cannot write the report: {error}")))?;
+        writeln!(out, "{text}")?;
+    } else {
+        writeln!(out, "{} steps", replayed.steps)?;
+        writeln!(out, "state hash  {}", replayed.state_hash)?;
+        writeln!(out, "recorded    {}", replayed.recorded_hash)?;
+        writeln!(out, "{}", if replayed.agrees() { "the same" } else { "NOT the same" })?;
+    }
+    if replayed.agrees() { Ok(()) } else { Err(Failure::Reported) }
+}

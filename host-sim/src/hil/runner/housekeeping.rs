@@ -1,0 +1,258 @@
+//! What happens beside the loop and never holds it up: record, display, operator.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead as _, Write};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use eclss_core::Settings;
+use eclss_core::mode::{Cause, Mode, Request};
+use eclss_target::account::Account;
+use eclss_target::control::Event;
+use rtrb::{Consumer, Producer};
+
+use super::{Job, Outcome, Seen, cause};
+use crate::Failure;
+use crate::hil::board::Order;
+use crate::hil::handover::Taker;
+use crate::hil::pace::Pace;
+use crate::hil::recorder::Recorder;
+use crate::hil::report::RecordFigures;
+
+/// Status events between two lines of the display, and between two attempts to arm.
+const SHOW_EVERY: u32 = 10;
+
+/// The other side of the loop's rings.
+pub(super) struct Housekeeping<'o> {
+    out: &'o mut dyn Write,
+    shows: bool,
+    arm: bool,
+    recorder: Option<Recorder>,
+    /// Why the record ended early.
+    failed: Option<Failure>,
+    rows: Option<Taker>,
+    events: Consumer<Event>,
+    orders: Producer<Order>,
+    typed: Option<Receiver<String>>,
+    account: Option<Account>,
+    mode: Mode,
+    cause: Option<Cause>,
+    until_shown: u32,
+    begun_us: u64,
+}
+
+impl<'o> Housekeeping<'o> {
+    pub(super) fn new(
+        out: &'o mut dyn Write,
+        job: &Job,
+        recorder: Option<Recorder>,
+        rows: Option<Taker>,
+        events: Consumer<Event>,
+        orders: Producer<Order>,
+    ) -> Self {
+        Self {
+            out,
+            shows: job.shows,
+            arm: job.arm,
+            recorder,
+            failed: None,
+            rows,
+            events,
+            orders,
+            typed: job.operator.then(type_along),
+            account: None,
+            mode: Mode::PowerUp,
+            cause: None,
+            until_shown: 0,
+            begun_us: 0,
+        }
+    }
+
+    /// Takes whatever has come.
+    pub(super) fn turn(&mut self) {
+        while let Ok(event) = self.events.pop() {
+            self.event(event);
+        }
+        if let Some(rows) = &mut self.rows {
+            while let Some(row) = rows.take() {
+                self.begun_us = row.head.begun_us;
+                if let Some(recorder) = &mut self.recorder
+                    && let Err(failure) = recorder.row(row)
+                {
+                    // The loop goes on: hardware does not care for the record.
+                    self.failed = Some(failure);
+                    self.recorder = None;
+                }
+            }
+        }
+        self.take_orders();
+    }
+
+    fn event(&mut self, event: Event) {
+        match event {
+            Event::Status { account, mode, .. } => {
+                (self.account, self.mode) = (Some(account), mode);
+                let due = self.until_shown == 0;
+                self.until_shown = if due { SHOW_EVERY } else { self.until_shown } - 1;
+                if due {
+                    if self.arm && mode == Mode::Ready {
+                        self.order(Order::Mode(Request::Arm));
+                    }
+                    self.show_status(&event);
+                }
+            }
+            Event::Overrun { tick, skipped } => {
+                self.say(tick, &format!("tick {tick} overran, {skipped} releases skipped"));
+            }
+            Event::Mode { tick, from, to } => {
+                (self.mode, self.cause) = (to, None);
+                self.say(tick, &format!("{} → {}", from.name(), to.name()));
+            }
+            Event::Safe { tick, cause: why } => {
+                (self.mode, self.cause) = (Mode::Safe, Some(why));
+                self.say(tick, &format!("{} → SAFE: {}", self.mode.name(), cause(why)));
+            }
+            Event::Ended { account, mode, .. } => (self.account, self.mode) = (Some(account), mode),
+        }
+    }
+
+    fn show_status(&mut self, event: &Event) {
+        let Event::Status { account, mode, link, .. } = event else { return };
+        if !self.shows {
+            return;
+        }
+        let us = |counts: u32| f64::from(counts) / 1e3;
+        let link = link.map_or(String::new(), |link| {
+            let state = if link.connected { "up" } else { "down" };
+            format!(", link {state}, {} lost, {} damaged", link.counters.lost, link.counters.damaged())
+        });
+        let _ = writeln!(
+            self.out,
+            "{:>9.1} s  {:<7} {:.1} Hz, tick {:.1}/{:.1} µs mean/max, late by {} µs at most, overruns {}, lag {} \
+             µs{link}",
+            account.plant_us() as f64 * 1e-6,
+            mode.name(),
+            f64::from(account.actual_millihertz()) / 1e3,
+            us(account.tick_counts.mean()),
+            us(account.tick_counts.max()),
+            account.lateness_us.max(),
+            account.overruns,
+            account.lag_us()
+        );
+        let _ = self.out.flush();
+    }
+
+    fn say(&mut self, tick: u64, text: &str) {
+        if let Some(recorder) = &mut self.recorder
+            && let Err(failure) = recorder.event(self.begun_us, tick, text)
+        {
+            self.failed = Some(failure);
+            self.recorder = None;
+        }
+        if self.shows {
+            // Who does not read our output does not stop hardware.
+            let _ = writeln!(self.out, "            {text}");
+        }
+    }
+
+    fn take_orders(&mut self) {
+        loop {
+            let Some(typed) = &self.typed else { return };
+            match typed.try_recv() {
+                Ok(line) => match parse(line.trim()) {
+                    Some(order) => self.order(order),
+                    None if line.trim().is_empty() => {}
+                    None => self.say(0, ORDERS),
+                },
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.typed = None;
+                    return;
+                }
+            }
+        }
+    }
+
+    fn order(&mut self, order: Order) {
+        if self.orders.push(order).is_err() {
+            self.say(0, "the loop takes no orders");
+        }
+    }
+
+    /// Ends the record and returns what was seen.
+    pub(super) fn end(mut self, outcome: &Outcome, settings: Settings) -> Result<Seen, Failure> {
+        let mut record = None;
+        if let Some(recorder) = self.recorder.take() {
+            let (rows, captures) = (recorder.taken(), recorder.captures());
+            let run = BTreeMap::from([
+                ("method".to_owned(), settings.method.name().to_owned()),
+                ("step_us".to_owned(), settings.step_us.to_string()),
+                ("steps".to_owned(), outcome.plant_ticks.to_string()),
+                ("state_hash".to_owned(), format!("{:016x}", outcome.state_hash)),
+                ("mode".to_owned(), self.mode.name().to_owned()),
+            ]);
+            let files = recorder.finish(run, outcome.dropped)?;
+            let files = files.iter().map(|file| file.display().to_string()).collect();
+            record = Some(RecordFigures { files, rows, dropped: outcome.dropped, captures });
+        }
+        match self.failed {
+            Some(failure) => Err(failure),
+            None => Ok(Seen { account: self.account, mode: self.mode, cause: self.cause, record }),
+        }
+    }
+}
+
+const ORDERS: &str = "orders are arm, hold, resume, disarm, acknowledge, restart, stop, quit; and while no hardware is \
+                      armed: pause, step [N], go, speed X, speed max";
+
+/// Reads an order.
+fn parse(line: &str) -> Option<Order> {
+    let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+    Some(match (word, rest.trim()) {
+        ("arm", "") => Order::Mode(Request::Arm),
+        ("hold", "") => Order::Mode(Request::Hold),
+        ("resume", "") => Order::Mode(Request::Resume),
+        ("disarm", "") => Order::Mode(Request::Disarm),
+        ("acknowledge", "") => Order::Mode(Request::Acknowledge),
+        ("restart", "") => Order::Mode(Request::Restart),
+        ("stop", "") => Order::Mode(Request::Stop),
+        ("quit", "") => Order::Quit,
+        ("pause", "") => Order::Pace(Pace::Paused),
+        ("go", "") => Order::Pace(Pace::Real),
+        ("step", "") => Order::Ticks(1),
+        ("step", ticks) => Order::Ticks(ticks.parse().ok()?),
+        ("speed", "max") => Order::Pace(Pace::Scaled(f64::INFINITY)),
+        ("speed", speed) => Order::Pace(Pace::Scaled(speed.parse().ok()?)),
+        _ => return None,
+    })
+}
+
+/// Reads the standard input in a thread of its own, which ends with the program.
+fn type_along() -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines() {
+            let Ok(line) = line else { return };
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_are_read() {
+        assert_eq!(parse("arm"), Some(Order::Mode(Request::Arm)));
+        assert_eq!(parse("step 12"), Some(Order::Ticks(12)));
+        assert_eq!(parse("step"), Some(Order::Ticks(1)));
+        assert_eq!(parse("speed 2.5"), Some(Order::Pace(Pace::Scaled(2.5))));
+        assert_eq!(parse("speed max"), Some(Order::Pace(Pace::Scaled(f64::INFINITY))));
+        for wrong in ["", "fly", "arm now", "step x", "speed"] {
+            assert_eq!(parse(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What a tick was, gathered while it runs by plant, board and loop, and handed over when it has ended.
+
+use std::cell::RefCell;
+
+use eclss_core::mode::Mode;
+use eclss_core::{Element, Simulator};
+
+use super::handover::{Giver, Head, Layout};
+use crate::trace::{Column, Segments};
+
+/// The present tick. Board and plant share it; both live in the loop's thread, one after the other.
+#[derive(Debug)]
+pub struct Tap {
+    columns: Vec<Column>,
+    segments: Option<Segments>,
+    figures: Vec<f32>,
+    /// Value and slope of every input slot that was set in this tick; NaN for one that was left as it is.
+    inputs: Vec<[f32; 2]>,
+    giver: Option<Giver>,
+    layout: Layout,
+    plant_tick: u64,
+    stepped: bool,
+    mode: Mode,
+    skipped: u32,
+}
+
+/// Nothing was set.
+const LEFT: [f32; 2] = [f32::NAN; 2];
+
+impl Tap {
+    /// Gathers `columns` and `slots` inputs for `giver`, if there is one.
+    pub fn new(columns: Vec<Column>, slots: usize, giver: Option<Giver>) -> RefCell<Self> {
+        let layout = Layout { inputs: slots, figures: columns.len() };
+        RefCell::new(Self {
+            figures: vec![f32::NAN; columns.len()],
+            inputs: vec![LEFT; slots],
+            segments: None,
+            columns,
+            giver,
+            layout,
+            plant_tick: 0,
+            stepped: false,
+            mode: Mode::PowerUp,
+            skipped: 0,
+        })
+    }
+
+    /// Takes note of an input that was set for the coming step.
+    pub fn input(&mut self, slot: usize, value: f32, slope_per_s: f32) {
+        if let Some(place) = self.inputs.get_mut(slot) {
+            *place = [value, slope_per_s];
+        }
+    }
+
+    /// Reads the figures; the first time makes room.
+    pub fn read<E: Element>(&mut self, simulator: &Simulator<'_, E>, stepped: bool) {
+        if self.giver.is_none() {
+            return;
+        }
+        let segments = self.segments.get_or_insert_with(|| Segments::of(simulator));
+        segments.read(simulator);
+        for (figure, column) in self.figures.iter_mut().zip(&self.columns) {
+            *figure = column.figure.read(simulator, segments);
+        }
+        self.plant_tick = simulator.tick();
+        self.stepped |= stepped;
+    }
+
+    /// Takes note of the mode.
+    pub fn mode(&mut self, mode: Mode) {
+        self.mode = mode;
+    }
+
+    /// Returns the mode.
+    pub fn present_mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Takes note of releases that the tick ran over.
+    pub fn skipped(&mut self, releases: u32) {
+        self.skipped = releases;
+    }
+
+    /// Hands the tick over and begins the next.
+    pub fn finish(&mut self, tick: u64, begun_us: u64, late_ns: u64, tick_ns: u64) {
+        let short = |ns: u64| u32::try_from(ns).unwrap_or(u32::MAX);
+        let head = Head {
+            tick,
+            plant_tick: self.plant_tick,
+            begun_us,
+            late_ns: short(late_ns),
+            tick_ns: short(tick_ns),
+            skipped: self.skipped,
+            mode: self.mode as u8,
+            stepped: self.stepped,
+            dropped: 0,
+        };
+        if let Some(giver) = &mut self.giver {
+            giver.give(head, self.inputs.iter().copied(), self.figures.iter().copied(), self.layout);
+        }
+        self.inputs.fill(LEFT);
+        (self.stepped, self.skipped) = (false, 0);
+    }
+
+    /// Rows that could not be handed over.
+    pub fn dropped(&self) -> u32 {
+        self.giver.as_ref().map_or(0, Giver::dropped)
+    }
+}
