@@ -1,0 +1,217 @@
+//! The real-time loop on this computer: link, record, replay, counters. Nothing here depends on how punctual the
+//! computer is.
+
+mod bench;
+
+use std::io::sink;
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use bench::{controller, job, network, place, settled};
+use eclss_host_sim::Failure;
+use eclss_host_sim::hil::board::Stall;
+use eclss_host_sim::hil::link::Address;
+use eclss_host_sim::hil::pace::Pace;
+use eclss_host_sim::hil::recorder::Trigger;
+use eclss_host_sim::hil::replay::replay;
+use eclss_host_sim::hil::report::Report;
+use eclss_host_sim::hil::runner::{Job, RecordWishes, run};
+
+fn recorded(job: Job, name: &str, every: u64, triggers: Vec<Trigger>) -> Job {
+    let record = RecordWishes { folder: place(name), every, triggers, around: (50, 50) };
+    Job { record: Some(record), ..job }
+}
+
+/// Rows of a table as columns by name.
+fn column(csv: &str, name: &str) -> Vec<String> {
+    let mut lines = csv.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let place =
+        names.iter().position(|known| *known == name).unwrap_or_else(|| panic!("no {name}: {names:?}"));
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert_eq!(cells.len(), names.len(), "{line}");
+            cells[place].to_owned()
+        })
+        .collect()
+}
+
+fn numbers(csv: &str, name: &str) -> Vec<f64> {
+    column(csv, name).iter().map(|cell| cell.parse().unwrap()).collect()
+}
+
+/// A controller over a socket arms the plant and moves its valve; when the link is cut the plant goes to SAFE. The
+/// record of all of it is replayed to the same state.
+#[test]
+fn a_controlled_run_is_recorded_and_replayed_to_the_bit() {
+    let source = network("hil.toml");
+    let step_us = 2_000;
+    let path = place("controlled.sock");
+    let address = |listens| Address::Unix { path: path.clone(), listens };
+    let start = Some(settled(&source, step_us));
+    let job = Job { link: Some(address(true)), start, ..job(&source, step_us, 2_500) };
+    let job = recorded(job, "controlled", 5, vec![Trigger::Safe]);
+    let other = controller(&source, &address(false), step_us, 1_800);
+    let report = run(&source, &job, &mut sink()).unwrap();
+    other.join().unwrap();
+
+    let link = report.link.as_ref().unwrap();
+    assert_eq!((link.sessions, link.bad_crc, link.damaged, link.foreign), (1, 0, 0, 0), "{link:?}");
+    assert!(link.accepted > 1_000, "{link:?}");
+    let cause = report.cause.as_deref().unwrap_or("none");
+    assert!(cause.contains("silent"), "{cause}");
+
+    let folder = &job.record.as_ref().unwrap().folder;
+    let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    let modes = column(&csv, "mode");
+    assert!(modes.iter().filter(|mode| *mode == "RUN").count() > 50, "it was armed");
+    assert_eq!(modes.last().map(String::as_str), Some("SAFE"));
+    // The controller closes the valve, at its integral gain, as long as the flow is above its set point.
+    let openings = numbers(&csv, "valve.opening");
+    assert!(openings.iter().any(|opening| *opening < 0.95), "the valve was moved: {openings:?}");
+    let (last, low, high) = (
+        numbers(&csv, "valve.mass_flow_kg_s"),
+        numbers(&csv, "valve.mass_flow_kg_s_min"),
+        numbers(&csv, "valve.mass_flow_kg_s_max"),
+    );
+    assert!(last.iter().zip(&low).zip(&high).all(|((last, low), high)| low <= last && last <= high));
+    // SAFE was captured tick by tick.
+    let capture = std::fs::read_to_string(folder.join("capture_1.csv")).unwrap();
+    let ticks = numbers(&capture, "tick");
+    assert!(ticks.array_windows().all(|[a, b]| b - a == 1.0) && ticks.len() > 50);
+    let modes = column(&capture, "mode");
+    assert!(modes.contains(&"RUN".to_owned()) && modes.contains(&"SAFE".to_owned()));
+
+    let replayed = replay(&folder.join("record.mcap")).unwrap();
+    assert_eq!(replayed.state_hash, report.state_hash);
+    assert!(replayed.agrees() && replayed.steps > 1_000, "{replayed:?}");
+}
+
+/// 5 ms too long in one tick are one overrun and the ticks that it ran over, in counters, record and capture.
+#[test]
+fn a_stall_is_found_in_the_counters() {
+    let source = network("paper-p.toml");
+    let stall = Some(Stall { tick: 300, by: Duration::from_millis(5) });
+    let job = Job { stall, ..job(&source, 1_000, 600) };
+    let job = recorded(job, "stall", 1, vec![Trigger::Overrun]);
+    let report = run(&source, &job, &mut sink()).unwrap();
+    assert_eq!(report.ticks, 600);
+    assert!(report.overruns.total >= 1 && report.missed_ticks >= 5, "{:?}", report.overruns);
+    assert!(report.tick.max_us >= 5_000.0 && report.headroom <= -4.0);
+    assert!(report.lag_s >= 4.9e-3, "{}", report.lag_s);
+    let folder = &job.record.as_ref().unwrap().folder;
+    let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    let (skipped, took) = (numbers(&csv, "skipped"), numbers(&csv, "tick_us"));
+    assert!(skipped[300] >= 5.0 && took[300] >= 5_000.0);
+    assert_eq!(skipped.iter().sum::<f64>() as u64, report.missed_ticks, "each is in the record");
+    assert!(folder.join("capture_1.csv").is_file());
+}
+
+fn without_hardware(start: Option<Vec<u8>>, ticks: u64, checkpoint: Option<&str>) -> Report {
+    let source = network("paper-p.toml");
+    let job = Job {
+        pace: Pace::Scaled(f64::INFINITY),
+        start,
+        checkpoint: checkpoint.map(place),
+        ..job(&source, 1_000, ticks)
+    };
+    run(&source, &job, &mut sink()).unwrap()
+}
+
+/// Stopped while the valve closes and started again from the file: the same bits as in one go.
+#[test]
+fn a_restart_from_a_checkpoint_gives_the_same_bits() {
+    let file = place("middle.eckp");
+    without_hardware(None, 10_600, Some("middle.eckp"));
+    let middle = std::fs::read(&file).unwrap();
+    let parts = without_hardware(Some(middle.clone()), 1_400, None);
+    let whole = without_hardware(None, 12_000, None);
+    assert_eq!(parts.state_hash, whole.state_hash);
+    assert!((whole.plant_s - 12.0).abs() < 1e-9 && (parts.plant_s - 12.0).abs() < 1e-9);
+
+    let source = network("paper-p.toml");
+    let mut spoilt = middle;
+    spoilt[100] ^= 1;
+    let job = Job { start: Some(spoilt), ..job(&source, 1_000, 10) };
+    let refused = run(&source, &job, &mut sink()).unwrap_err();
+    assert!(refused.to_string().contains("damaged") && refused.exit_code() == 2, "{refused}");
+}
+
+#[test]
+fn time_is_not_scaled_with_hardware_on_it() {
+    let source = network("hil.toml");
+    let path = place("scaled.sock");
+    let link = Some(Address::Unix { path, listens: true });
+    let job = Job { link, pace: Pace::Scaled(2.0), ..job(&source, 1_000, 10) };
+    assert!(matches!(run(&source, &job, &mut sink()), Err(Failure::BadInput(_))));
+}
+
+/// Whatever is spoilt in a record is refused, and never taken for a run.
+#[test]
+fn a_spoilt_record_is_refused() {
+    let source = network("paper.toml");
+    let job = Job { pace: Pace::Scaled(f64::INFINITY), ..job(&source, 1_000, 200) };
+    let job = recorded(job, "spoilt", 10, Vec::new());
+    run(&source, &job, &mut sink()).unwrap();
+    let path = job.record.as_ref().unwrap().folder.join("record.mcap");
+    assert!(replay(&path).unwrap().agrees());
+    let good = std::fs::read(&path).unwrap();
+    for cut in [0, 8, good.len() / 2, good.len() - 1] {
+        std::fs::write(&path, &good[..cut]).unwrap();
+        assert!(replay(&path).is_err(), "cut at {cut}");
+    }
+    let mut survived = 0;
+    for byte in (0..good.len()).step_by(41) {
+        let mut spoilt = good.clone();
+        spoilt[byte] ^= 0x10;
+        std::fs::write(&path, &spoilt).unwrap();
+        // What is only for viewers may be spoilt without an effect on the run.
+        survived += u32::from(replay(&path).is_ok_and(|replayed| replayed.agrees()));
+    }
+    assert!((survived as usize) < good.len() / 41);
+}
+
+/// Two floods, of the listed peer's nonsense and of strangers: every tick runs, looks at a bounded number of bytes,
+/// and nothing is armed.
+#[test]
+fn a_flood_delays_nothing() {
+    let source = network("hil.toml");
+    let (peer, stranger) = (UdpSocket::bind("127.0.0.1:0").unwrap(), UdpSocket::bind("127.0.0.1:0").unwrap());
+    let local = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let link = Some(Address::Udp { local, peer: peer.local_addr().unwrap() });
+    let start = Some(settled(&source, 2_000));
+    let job = Job { link, arm: true, start, ..job(&source, 2_000, 500) };
+    let ends = Arc::new(AtomicBool::new(false));
+    let floods: Vec<_> = [peer, stranger]
+        .into_iter()
+        .enumerate()
+        .map(|(number, socket)| {
+            let ends = Arc::clone(&ends);
+            std::thread::spawn(move || {
+                let mut sent = 0u64;
+                while !ends.load(Ordering::Relaxed) {
+                    // Each datagram ends a frame, so that all of it is looked at.
+                    let bytes = [&[number as u8 + 1; 63][..], &[0]].concat();
+                    sent += u64::from(socket.send_to(&bytes, local).is_ok());
+                    if sent % 64 == 0 {
+                        std::thread::sleep(Duration::from_micros(100));
+                    }
+                }
+                sent
+            })
+        })
+        .collect();
+    let report = run(&source, &job, &mut sink()).unwrap();
+    ends.store(true, Ordering::Relaxed);
+    let sent: Vec<u64> = floods.into_iter().map(|flood| flood.join().unwrap()).collect();
+    let link = report.link.as_ref().unwrap();
+    assert_eq!(report.ticks, 500);
+    assert!(sent.iter().all(|sent| *sent > 1_000), "{sent:?}");
+    assert!(link.bytes.bytes_in <= 500 * 256, "{link:?}");
+    assert!(link.damaged + link.bad_crc > 100 && link.accepted == 0 && !link.connected, "{link:?}");
+    assert_eq!(report.mode, "READY");
+    assert!(report.tick.p50_us < 1_000.0, "{:?}", report.tick);
+}
