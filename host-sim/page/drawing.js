@@ -14,6 +14,10 @@ export class Drawing {
     const parsed = new DOMParser().parseFromString(text, "image/svg+xml");
     this.svg = document.importNode(parsed.documentElement, true);
     place.replaceChildren(this.svg);
+    [this.width, this.height] = this.svg.getAttribute("viewBox").split(" ").slice(2).map(Number);
+    // A large drawing takes the whole width; a small one is not blown up beyond reason.
+    document.querySelector("main").classList.toggle("wide", this.width > 1100);
+    this.zoom("");
     this.network = network;
     this.index = index;
     this.find = (id) => this.svg.getElementById(id);
@@ -38,6 +42,14 @@ export class Drawing {
       requestAnimationFrame(paint);
     };
     requestAnimationFrame(paint);
+  }
+
+  /** Fits the drawing into the page, or shows it at a scale. */
+  zoom(scale) {
+    const { style } = this.svg;
+    style.width = scale ? `${this.width * Number(scale)}px` : "";
+    style.maxWidth = scale ? "none" : `${this.width * 1.6}px`;
+    style.maxHeight = scale ? "none" : "";
   }
 
   line(line, number) {

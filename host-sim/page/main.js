@@ -34,6 +34,8 @@ async function build() {
     const text = await load("/schematic.svg", "text");
     built.drawing = new Drawing(element("drawing"), text, network, index, (id) => choose(built, id));
     built.drawing.mark(built.chosen);
+    element("zoom").onchange = (event) => built.drawing.zoom(event.target.value);
+    built.drawing.zoom(element("zoom").value);
   } catch {
     element("drawing").textContent = "This network is too large for a drawing; its values are below.";
   }

@@ -22,8 +22,8 @@ const digitsFor = (number, most) => {
 
 /** Absolute pressure [Pa]. */
 export const pressure = () => system === "us"
-  ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 2 }
-  : { unit: "kPa", of: (pa) => pa * 1e-3, digits: 3 };
+  ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 2, fixed: true }
+  : { unit: "kPa", of: (pa) => pa * 1e-3, digits: 3, fixed: true };
 /** Pressure over the reference [Pa]. */
 export const gauge = () => system === "us"
   ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 3 }
@@ -54,5 +54,5 @@ export function unitFor(id, unit, at) {
 export function write(number, unit) {
   if (number === null || number === undefined || !Number.isFinite(number)) return "–";
   const value = unit.of(number);
-  return `${show(value, digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}`;
+  return `${show(value, unit.fixed ? unit.digits : digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}`;
 }

@@ -262,7 +262,7 @@ impl Sheet<'_> {
         let texts = style.node_px + 4 + (lines - 1) * style.leading() + GRID;
         // Both ends of a folded strip run straight into it.
         let loops = self.graph.lines.iter().any(|line| line.from == node && line.to == node);
-        let rows = if loops { style.row() + 2 * GRID } else { 0 };
+        let rows = if loops { style.row() + 4 * GRID } else { 0 };
         (up(least.max(text)), up(texts.max(rows).max(up(GRID * ends) + 2 * GRID)))
     }
 

@@ -27,7 +27,7 @@ impl Style {
     /// For few elements: room for live values at each.
     pub const WIDE: Self = Self { glyph: 40, pitch: 100, node_px: 14, text_px: 12, values: 2, most: 6 };
     /// For many.
-    pub const NARROW: Self = Self { glyph: 24, pitch: 60, node_px: 12, text_px: 10, values: 0, most: 5 };
+    pub const NARROW: Self = Self { glyph: 26, pitch: 60, node_px: 14, text_px: 12, values: 0, most: 5 };
 
     /// What suits a network.
     pub fn of(graph: &Graph) -> Self {
@@ -78,8 +78,8 @@ pub struct Shape {
     pub height: i32,
 }
 
-/// Longest value that is written behind a line's id, such as `−1234.5 kg/h`.
-const FLOW_LETTERS: &str = "−1234.5 kg/h";
+/// Longest value that is written behind a line's id.
+const FLOW_LETTERS: &str = "−1234.5 cfm";
 
 impl Shape {
     /// Size of `line` with its ends on these sides.

@@ -40,7 +40,11 @@ pub(super) fn read(stream: &mut TcpStream, own: SocketAddr) -> Result<Option<Req
     let until = Instant::now() + PATIENCE;
     let mut bytes = Vec::with_capacity(1024);
     loop {
-        if let Some(end) = end_of_head(&bytes) {
+        let end = end_of_head(&bytes);
+        if end.unwrap_or(bytes.len()) > HEAD {
+            return Err(Refusal(431, "the head of the request is too long"));
+        }
+        if let Some(end) = end {
             let (head, length) = parse(&bytes[..end], own)?;
             let mut body = bytes.split_off(end);
             while body.len() < length {
@@ -52,9 +56,6 @@ pub(super) fn read(stream: &mut TcpStream, own: SocketAddr) -> Result<Option<Req
                 return Err(Refusal(400, "more than one request"));
             }
             return Ok(Some(Request { body, ..head }));
-        }
-        if bytes.len() > HEAD {
-            return Err(Refusal(431, "the head of the request is too long"));
         }
         if !more(stream, &mut bytes, until)? {
             return if bytes.is_empty() { Ok(None) } else { Err(MALFORMED) };
@@ -89,9 +90,8 @@ fn parse(head: &[u8], own: SocketAddr) -> Result<(Request, usize), Refusal> {
     let mut parsed = httparse::Request::new(&mut headers);
     match parsed.parse(head) {
         Ok(httparse::Status::Complete(_)) => {}
-        Ok(httparse::Status::Partial) => return Err(MALFORMED),
         Err(httparse::Error::TooManyHeaders) => return Err(Refusal(431, "too many headers")),
-        Err(_) => return Err(MALFORMED),
+        Ok(httparse::Status::Partial) | Err(_) => return Err(MALFORMED),
     }
     let all = |name: &str| -> Result<Option<&str>, Refusal> {
         let mut found = parsed.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));

@@ -39,7 +39,7 @@ impl Browser {
             .expect(missing);
         // Whatever else it says is read, so that it never waits for us.
         std::thread::spawn(move || lines.for_each(drop));
-        let config = ureq::Agent::config_builder().timeout_global(Some(Duration::from_secs(60)));
+        let config = ureq::Agent::config_builder().timeout_global(Some(Duration::from_mins(1)));
         let agent = ureq::Agent::new_with_config(config.http_status_as_error(false).build());
         let mut browser =
             Self { driver, agent, session: format!("http://127.0.0.1:{port}/session"), _turn: turn };
