@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Schematic(SchematicArgs),
     /// Run a network at the clock's pace and show it in the browser.
     Serve(ServeArgs),
+    /// Write the whole validation into one HTML file.
+    Report(ReportArgs),
     /// Run the plant in real time with hardware on it, or none.
     #[cfg(feature = "hil")]
     Hil(HilArgs),
@@ -264,6 +266,17 @@ pub(crate) struct SteadyArgs {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// File to write.
+    #[arg(short, long, default_value = "results/report.html", value_name = "FILE.html")]
+    pub(crate) output: PathBuf,
+    /// Equations of the chains whose cost is measured, separated by commas; those of the paper's figure when absent.
+    #[arg(long, value_name = "SIZES", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub(crate) sizes: Vec<u32>,
 }
 
 /// Arguments of `serve`.

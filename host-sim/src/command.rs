@@ -1,11 +1,12 @@
 //! The commands, one a file.
 
-mod bench;
+pub(crate) mod bench;
 mod check;
 mod generate;
 #[cfg(feature = "hil")]
 mod hil;
 mod paper;
+mod report;
 mod run;
 mod schematic;
 mod serve;
@@ -66,6 +67,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Hil(args)) => hil::run(args, out),
         #[cfg(feature = "hil")]
         Some(Command::Replay(args)) => hil::run_replay(args, out),
+        Some(Command::Report(args)) => report::run(args, out),
     }
 }
 

@@ -9,12 +9,14 @@ mod duration;
 mod failure;
 #[cfg(feature = "hil")]
 pub mod hil;
+mod ledger;
 pub mod linear;
 mod output;
 pub mod paper;
 pub mod plot;
 mod progress;
 mod refusal;
+pub mod report;
 pub mod run;
 #[allow(clippy::cast_possible_wrap, reason = "counts and coordinates of drawings stay far below 2³¹")]
 pub mod schematic;
@@ -27,6 +29,7 @@ pub use buffers::HostBuffers;
 pub use command::main;
 pub use duration::Duration;
 pub use failure::Failure;
+pub use ledger::Closure;
 pub use progress::Progress;
 pub use source::Source;
 

@@ -17,4 +17,5 @@ mod wires;
 pub use graph::{Element, Graph, Line, MOST_NODES, Node};
 pub use layout::{Drawing, DrawingError, NodeBox};
 pub use strip::{Glyph, Strip, Style};
+pub(crate) use svg::escaped;
 pub use svg::{Dress, STYLE};

@@ -50,6 +50,11 @@ impl Source {
         Self::bytes(SHIPPED.as_bytes(), SHIPPED_PATH, format!("copy of {SHIPPED_PATH} inside this program"))
     }
 
+    /// A network that is part of this program, under the path that it has in the repository.
+    pub(crate) fn built_in(text: &str, path: &str) -> Result<Self, Failure> {
+        Self::bytes(text.as_bytes(), path, format!("copy of {path} inside this program"))
+    }
+
     /// Reads `path`, or the paper's network where none is given.
     pub fn open(path: Option<&Path>) -> Result<Self, Failure> {
         path.map_or_else(Self::paper, Self::file)

@@ -11,7 +11,7 @@ use crate::plot::{Axis, Curve, Dash, Dots, Figure, Mark, Panel, Point};
 use crate::{Failure, Progress};
 
 /// What the paper prints of its own machine, for comparison.
-const PRINTED: &str =
+pub(crate) const PRINTED: &str =
     "The paper prints, for its own machine: explicit 0.54 to 0.76 ms, implicit 0.11 to 18 s a step.";
 
 /// Measures, prints the table, writes CSV and plot.
@@ -93,7 +93,8 @@ fn looks(method: &str) -> (style::Colour, Dash) {
     }
 }
 
-fn picture(rows: &[Row]) -> Figure {
+/// The cost figure.
+pub(crate) fn picture(rows: &[Row]) -> Figure {
     let mut methods: Vec<&str> = Vec::new();
     for row in rows {
         if !methods.contains(&row.method) {

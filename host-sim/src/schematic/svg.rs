@@ -50,7 +50,11 @@ impl Drawing {
             for (index, point) in wire.iter().enumerate() {
                 write!(way, "{}{} {}", if index == 0 { 'M' } else { 'L' }, point.x, point.y)?;
             }
-            writeln!(out, r#"<path class="halo" d="{way}"/><path class="wire" id="l{line}" d="{way}"/>"#)?;
+            writeln!(
+                out,
+                r#"<path class="halo" d="{way}"/><path class="wire"{} d="{way}"/>"#,
+                name(dress, &format!("l{line}"))
+            )?;
         }
         writeln!(out, r#"</g><g class="arrows">"#)?;
         for (line, wire) in self.wires.iter().enumerate() {
@@ -99,7 +103,12 @@ impl Drawing {
             let (rect, kind) = (drawn.rect, node.kind);
             let round = if kind == "cabin" { 8 } else { 2 };
             let focus = if dress == Dress::Page { r#" tabindex="0" role="button""# } else { "" };
-            writeln!(out, r#"<g class="node {kind}" id="n{index}"{focus} aria-label="{kind} {}">"#, node.id)?;
+            writeln!(
+                out,
+                r#"<g class="node {kind}"{}{focus} aria-label="{kind} {}">"#,
+                name(dress, &format!("n{index}")),
+                node.id
+            )?;
             writeln!(
                 out,
                 r#"<title>{kind} {} {}</title><rect x="{}" y="{}" width="{}" height="{}" rx="{round}"/>"#,
@@ -121,6 +130,11 @@ fn live(dress: Dress, id: &str) -> Option<String> {
     (dress == Dress::Page).then(|| id.to_owned())
 }
 
+/// The attribute under which the page finds a thing.
+fn name(dress: Dress, id: &str) -> String {
+    live(dress, id).map(|id| format!(r#" id="{id}""#)).unwrap_or_default()
+}
+
 fn write_glyph(
     out: &mut String,
     element: &super::graph::Element,
@@ -133,7 +147,11 @@ fn write_glyph(
     let turn = if glyph.mirrored { -half } else { half };
     let (kind, id) = (escaped(&element.kind), &element.id);
     let focus = if dress == Dress::Page { r#" tabindex="0" role="button""# } else { "" };
-    writeln!(out, r#"<g class="element {kind}" id="e{number}"{focus} aria-label="{kind} {id}">"#)?;
+    writeln!(
+        out,
+        r#"<g class="element {kind}"{}{focus} aria-label="{kind} {id}">"#,
+        name(dress, &format!("e{number}"))
+    )?;
     let (x, y) = (glyph.centre.x, glyph.centre.y);
     let drawn = symbol(&element.kind);
     writeln!(

@@ -14,7 +14,7 @@ use super::pace::{Costs, Pace};
 use super::reading::{Reading, values};
 use crate::refusal::refused;
 use crate::trace::Segments;
-use crate::{Failure, HostBuffers, Source, is_pseudo_time};
+use crate::{Closure, Failure, HostBuffers, Source, is_pseudo_time};
 
 /// Time between two frames.
 pub const FRAME: Duration = Duration::from_millis(50);
@@ -149,7 +149,8 @@ impl Plant {
             .simulator(&network, self.settings)
             .map_err(|error| refused(&self.source, self.settings, &error))?;
         hand.begin(&network);
-        let mut reading = Reading::new(&self.source.loaded);
+        let reading = Reading::new(&self.source.loaded);
+        let mut ledger = Closure::new(&self.source.loaded);
         let mut segments = Segments::of(&simulator);
         let mut pace = Pace::new(self.settings.step_us);
         pace.set_speed(hand.speed);
@@ -182,7 +183,7 @@ impl Plant {
             costs.close(last);
             if last - shown >= FRAME {
                 shown = if last - shown < 2 * FRAME { shown + FRAME } else { last };
-                let closure = reading.closure(&simulator);
+                let closure = ledger.read(&simulator);
                 publisher.publish(|frame| {
                     reading.read(&simulator, &mut segments, &mut frame.values);
                     hand.show(&network, &mut frame.inputs);

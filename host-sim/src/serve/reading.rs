@@ -1,7 +1,7 @@
 //! Reads everything that is published from a running simulator.
 
 use eclss_core::element::Operating;
-use eclss_core::{Element, Method, NodeKind, Simulator, air, operator};
+use eclss_core::{Element, Method, Simulator, operator};
 use eclss_network_file::Loaded;
 
 use super::feed::Value;
@@ -11,10 +11,6 @@ use crate::trace::{Figure, Segments};
 #[derive(Debug, Clone)]
 pub(super) struct Reading {
     figures: Vec<Figure>,
-    /// Mass of all cabins at the start [kg].
-    total_kg: f64,
-    /// What each node has too much after its flows [kg].
-    open_kg: Vec<f64>,
 }
 
 /// Published values: everything that a run can write down, then φ of every line.
@@ -32,16 +28,7 @@ pub(super) fn values(loaded: &Loaded) -> Vec<Value> {
 impl Reading {
     pub(super) fn new(loaded: &Loaded) -> Self {
         let figures = loaded.all_records().iter().map(|record| Figure::Point(record.quantity)).collect();
-        let mass = |node: &eclss_core::Node| match node.kind {
-            NodeKind::Cabin { volume_m3 } => {
-                let pressure = f64::from(loaded.reference_pa) + f64::from(node.start_gauge_pa);
-                let gas = f64::from(air::GAS_CONSTANT_J_KG_K) * f64::from(node.temperature_k);
-                pressure * f64::from(volume_m3) / gas
-            }
-            _ => 0.0,
-        };
-        let total_kg = loaded.nodes.iter().map(mass).sum();
-        Self { figures, total_kg, open_kg: vec![0.0; loaded.nodes.len()] }
+        Self { figures }
     }
 
     /// Reads all values, in the order of [`values`].
@@ -53,25 +40,6 @@ impl Reading {
         for (line, value) in into.iter_mut().skip(self.figures.len()).enumerate() {
             *value = line_phi(simulator, line);
         }
-    }
-
-    /// What the mass ledger lacks, over the mass of all cabins [1]: the larger of what the worst node and what the
-    /// whole network lacks. NaN where there is no cabin.
-    pub(super) fn closure(&mut self, simulator: &Simulator<'_>) -> f64 {
-        let network = simulator.network();
-        let mut whole = 0.0;
-        for (node, open) in self.open_kg.iter_mut().enumerate() {
-            *open = simulator.node_mass_kg(node) + simulator.fictitious_kg(node);
-            whole += *open;
-        }
-        for (index, line) in network.lines.iter().enumerate() {
-            let [taken, given, drained] = simulator.line_sums_kg(index);
-            self.open_kg[line.from as usize] += taken;
-            self.open_kg[line.to as usize] -= given;
-            whole += drained + simulator.held_kg(index);
-        }
-        let lacks = self.open_kg.iter().fold(whole.abs(), |worst: f64, open| worst.max(open.abs()));
-        lacks / self.total_kg
     }
 }
 

@@ -267,3 +267,29 @@ fn an_open_page_does_not_slow_the_plant() {
     // A machine that does other work besides cannot tell five per cent; then only what is certain fails.
     assert!(ratio - 2.0 * error < 1.05, "{before} µs closed, {after} µs open");
 }
+
+#[test]
+fn the_report_opens_from_disk_and_asks_nobody() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("report.html");
+    let made = std::process::Command::new(env!("CARGO_BIN_EXE_eclss-rt"))
+        .args(["report", "--sizes", "20,40", "-o"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{made:?}");
+    let browser = Browser::start(1280, 900);
+    browser.open(&format!("file://{}", file.display()));
+    let shown = browser.run(
+        "return [...document.querySelectorAll('figure svg')].filter(svg => svg.getBoundingClientRect().height > 50).length",
+    );
+    assert!(shown.as_u64().is_some_and(|count| count >= 14), "{shown} figures");
+    let wide =
+        browser.run("return document.documentElement.scrollWidth - document.documentElement.clientWidth");
+    assert_eq!(wide, 0, "wider than the window");
+    assert_quiet(&browser);
+    for link in browser.requests() {
+        assert!(link.starts_with("file://"), "asked {link}");
+    }
+}
