@@ -1,6 +1,7 @@
 //! `cargo xtask setup`: makes a machine able to build and run the firmware, and is safe to repeat.
 
 use crate::process::{command, output, present, run};
+use crate::test::in_ci;
 use crate::{Outcome, project, toolchain};
 
 /// The oldest emulator whose boards were tried.
@@ -22,6 +23,31 @@ pub(crate) fn setup(arguments: &[String]) -> Outcome {
     for (tool, purpose) in CARGO_TOOLS {
         install_cargo_tool(tool, purpose)?;
     }
+    install_browser()
+}
+
+/// Whether the page can be tested here.
+pub(crate) fn browser_present() -> bool {
+    present("chromedriver")
+        && ["chromium", "chromium-browser", "google-chrome"].iter().any(|name| present(name))
+}
+
+/// Installs the browser in which the page is tested. Only machines that decide about changes must have it.
+fn install_browser() -> Outcome {
+    if !browser_present() {
+        println!("Chromium or its driver is missing; the live page is tested in it.");
+        if let Err(reason) = apt_install(&["chromium", "chromium-driver"]) {
+            if in_ci() {
+                return Err(reason);
+            }
+            println!("The page will not be tested: {reason}");
+            return Ok(());
+        }
+        if !browser_present() && in_ci() {
+            return Err("chromium and chromium-driver were installed but are not on the PATH".into());
+        }
+    }
+    println!("ready: chromium, chromedriver");
     Ok(())
 }
 

@@ -8,12 +8,13 @@ use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
 type Stage = (&'static str, &'static str, fn() -> Outcome);
 
 /// All stages in order of how soon they answer.
-const STAGES: [Stage; 9] = [
+const STAGES: [Stage; 10] = [
     ("format", "format", || cargo(&["fmt", "--all", "--check"])),
     ("lints", "lints", lints),
     ("host", "host tests", host_tests),
     ("docs", "documentation", documentation),
     ("setup", "setup", || setup::setup(&[])),
+    ("page", "the live page in a browser", page),
     ("firmware", "firmware", firmware::check),
     ("qemu", "boards in QEMU", qemu::test),
     ("budget", "budget", || budget::command(&["--check".into()])),
@@ -47,8 +48,8 @@ const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-p
 
 fn lints() -> Outcome {
     let strict = ["--", "-D", "warnings"];
-    // With the tests that need an emulator, which are compiled but not run by the host's stages.
-    let boards = ["--all-targets", "--features", "eclss-tests/qemu"];
+    // With the tests that need an emulator or a browser, which are compiled but not run by the host's stages.
+    let boards = ["--all-targets", "--features", "eclss-tests/qemu,eclss-host-sim/browser"];
     cargo(&[&["clippy"], &MOST[..], &boards, &strict].concat())?;
     cargo(&[&["clippy", "--all-targets"], &APPLICATION[..], &strict].concat())
 }
@@ -56,6 +57,19 @@ fn lints() -> Outcome {
 fn host_tests() -> Outcome {
     cargo(&[&["test", "--release"], &MOST[..]].concat())?;
     cargo(&[&["test", "--release"], &APPLICATION[..]].concat())
+}
+
+/// The tests that drive a browser. They stand behind a feature because a plain `cargo test` may have none.
+fn page() -> Outcome {
+    if !setup::browser_present() {
+        let missing = "no Chromium with its driver; `cargo xtask setup` installs them where it can";
+        if in_ci() {
+            return Err(missing.into());
+        }
+        println!("The page is not tested: {missing}.");
+        return Ok(());
+    }
+    cargo(&["test", "--release", "--package", "eclss-host-sim", "--features", "browser", "--test", "page"])
 }
 
 fn documentation() -> Outcome {

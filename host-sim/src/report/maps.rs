@@ -26,7 +26,7 @@ pub(super) fn write(
     let factor = (STEPS_US.1 / STEPS_US.0).powf(1.0 / (steps.max(2) - 1) as f64);
     let mut spectra = Vec::new();
     for index in 0..steps.max(2) {
-        let step_us = (STEPS_US.0 * factor.powi(index as i32)).round() as u32;
+        let step_us = (STEPS_US.0 * factor.powf(index as f64)).round() as u32;
         let range = (OPENINGS.0, OPENINGS.1, openings);
         let found = Spectrum::compute(&network, 0, valve, step_us, range);
         spectra
@@ -47,7 +47,7 @@ pub(super) fn write(
         "eclss-rt report; one row of it: eclss-rt stability networks/paper.toml --step 1ms",
     );
     let outside = |of: fn(&Spectrum) -> &[SweepPoint]| {
-        spectra.iter().flat_map(|spectrum| of(spectrum)).filter(|point| point.radius >= 1.0).count()
+        spectra.iter().flat_map(of).filter(|point| point.radius >= 1.0).count()
     };
     page.paragraph(&format!(
         "Of {} points {} are unstable without φ and {} with it.",
