@@ -64,7 +64,7 @@ fn run(step_us: u32, seen: Seen) -> Vec<f64> {
             Seen::Sampled { hold, end_stop, .. } => (hold, end_stop),
         };
         let inputs = [channel(hold, end_stop)];
-        let image = Image { inputs: &inputs, outputs: &[] };
+        let image = Image { inputs: &inputs, ..Image::EMPTY };
         let mut states = [InputState::new(1.0)];
         let step_s = step_us as f32 * 1e-6;
         let mut process = Process::new(image, step_s, &mut states, &mut []).expect("one state a channel");
