@@ -179,7 +179,7 @@ impl Description {
     }
 
     fn planned(mut self) -> Self {
-        self.plan = PlanTables::new(&self.nodes, &self.lines);
+        self.plan = PlanTables::new(&self.nodes, &self.lines, &self.segments);
         self
     }
 }

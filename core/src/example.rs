@@ -74,6 +74,10 @@ pub fn paper_loop() -> Network<'static> {
             diagonal: &[0],
             stamps: &[[0, Plan::NOWHERE, Plan::NOWHERE, 0]],
             row_of: &[0],
+            leaves: &[[Plan::NOWHERE; 2]],
+            terms: &[[12, 1, Plan::NOWHERE], [15, 1, Plan::NOWHERE]],
+            composite: &[0],
+            between: &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]],
         },
     }
 }

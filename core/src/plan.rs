@@ -4,7 +4,8 @@
 //! description itself: the order in which a node's flows are summed, and the order and fill pattern of the
 //! elimination that the implicit methods run. With them a step is a fixed sequence of operations.
 
-use crate::{Line, Node, NodeKind};
+use crate::element::Element;
+use crate::{Line, Network, Node, NodeKind};
 
 /// An end of a line: twice the line's index, plus one for its outlet.
 pub type End = u32;
@@ -29,6 +30,18 @@ pub struct Plan<'a> {
     pub stamps: &'a [[u32; 4]],
     /// Position in `order` of every node; [`Plan::NOWHERE`] for a boundary.
     pub row_of: &'a [u32],
+    /// Port and node of the one later neighbour of the first rows, the branches of trees, which have one at most;
+    /// [`Plan::NOWHERE`] where there is none.
+    pub leaves: &'a [[u32; 2]],
+    /// For every entry of `ends`: twice its port, plus one at an outlet; the neighbour if it is held or eliminated
+    /// before as a branch, else the number of nodes; and the neighbour's row if not, else [`Plan::NOWHERE`].
+    pub terms: &'a [[u32; 3]],
+    /// Lines of more than one segment or with a drain. Their ports are two each, inlet and outlet, behind those of
+    /// all segments; the port of any other line is its segment.
+    pub composite: &'a [u32],
+    /// Points before and behind every segment: node n is point n, the volume behind segment s point nodes + s;
+    /// [`Plan::NOWHERE`] twice where no volume stands between the segment and the next of its line.
+    pub between: &'a [[u32; 2]],
 }
 
 /// Why connection tables were refused.
@@ -45,6 +58,12 @@ pub enum PlanError {
     Pattern(u32),
     /// A line's stamps do not point at its entries.
     Stamp(u32),
+    /// The list of lines with two ports is not the one that follows from the segments.
+    Composite,
+    /// The points of a segment are not those that follow from its line.
+    Between(u32),
+    /// A node's terms, or its only later neighbour, are not those that follow from lines and order.
+    Term(u32),
 }
 
 impl Plan<'_> {
@@ -61,7 +80,81 @@ impl Plan<'_> {
         diagonal: &[],
         stamps: &[],
         row_of: &[],
+        leaves: &[],
+        terms: &[],
+        composite: &[],
+        between: &[],
     };
+
+    /// Returns whether a line has a port at either end: where more than one flow belongs to it.
+    pub fn is_composite<E: Element>(network: &Network<'_, E>, line: &Line) -> bool {
+        let drains = |segments: &[crate::Segment<E>]| segments.iter().any(|s| s.element.removal() > 0.0);
+        line.segments > 1 || drains(network.segments_of(line))
+    }
+
+    /// Calls `each` with every segment of `line` (counted over all lines) and the points around it, see
+    /// [`Plan::between`].
+    pub fn points_of<E: Element>(network: &Network<'_, E>, line: &Line, mut each: impl FnMut(u32, [u32; 2])) {
+        let (first, nodes) = (line.first_segment, network.nodes.len() as u32);
+        let mut before = line.from;
+        for (index, segment) in (first..).zip(network.segments_of(line)) {
+            let behind = nodes + index;
+            if index + 1 == first + line.segments {
+                each(index, [before, line.to]);
+            } else if segment.outlet_volume_m3 > 0.0 {
+                each(index, [before, behind]);
+                before = behind;
+            } else {
+                each(index, [Self::NOWHERE; 2]);
+            }
+        }
+    }
+
+    /// Returns the port of a line's end, see [`Plan::composite`].
+    pub fn port(&self, segments: usize, lines: &[Line], end: End) -> u32 {
+        let line = end / 2;
+        match self.composite.binary_search(&line) {
+            Ok(place) => segments as u32 + 2 * place as u32 + end % 2,
+            Err(_) => lines.get(line as usize).map_or(Self::NOWHERE, |line| line.first_segment),
+        }
+    }
+
+    /// Returns what `terms` has for a node's end of a line.
+    pub fn term(&self, nodes: &[Node], segments: usize, lines: &[Line], node: u32, end: End) -> [u32; 3] {
+        let other = lines
+            .get((end / 2) as usize)
+            .map_or(Self::NOWHERE, |line| if end % 2 == 0 { line.to } else { line.from });
+        let row_of = |node: u32| self.row_of.get(node as usize).copied().unwrap_or(Self::NOWHERE);
+        let (row, others) = (row_of(node), row_of(other));
+        let held = others == Self::NOWHERE;
+        let branch = others < row && (others as usize) < self.leaves.len();
+        let port = 2 * self.port(segments, lines, end) + end % 2;
+        if other == node {
+            [port, nodes.len() as u32, Self::NOWHERE]
+        } else if held || branch {
+            [port, other, Self::NOWHERE]
+        } else {
+            [port, nodes.len() as u32, others]
+        }
+    }
+
+    /// The terms of a node.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn terms_of(&self, node: u32) -> &[[u32; 3]] {
+        let bounds = self.end_start.get(node as usize..node as usize + 2);
+        let Some(&[first, past]) = bounds else { return &[] };
+        self.terms.get(first as usize..past as usize).unwrap_or(&[])
+    }
+
+    /// Entries before and behind the diagonal of a row.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn sides(&self, row: usize) -> (core::ops::Range<usize>, core::ops::Range<usize>) {
+        let number = |list: &[u32], index: usize| list.get(index).copied().unwrap_or(0) as usize;
+        let diagonal = number(self.diagonal, row);
+        (number(self.row_start, row)..diagonal, diagonal + 1..number(self.row_start, row + 1))
+    }
 
     /// Checks the lists of line ends against the lines.
     pub(crate) fn check_ends(&self, nodes: &[Node], lines: &[Line]) -> Result<(), PlanError> {
@@ -121,6 +214,48 @@ impl Plan<'_> {
         Ok(())
     }
 
+    /// Checks ports, points and terms, once order and pattern are right.
+    pub(crate) fn check_terms<E: Element>(&self, network: &Network<'_, E>) -> Result<(), PlanError> {
+        let (nodes, lines, segments) = (network.nodes, network.lines, network.segments.len());
+        if self.between.len() != segments || self.terms.len() != self.ends.len() {
+            return Err(PlanError::Missing);
+        }
+        let composite =
+            (0u32..).zip(lines).filter(|(_, line)| Self::is_composite(network, line)).map(|(index, _)| index);
+        if !composite.eq(self.composite.iter().copied()) {
+            return Err(PlanError::Composite);
+        }
+        for line in lines {
+            let mut wrong = None;
+            Self::points_of(network, line, |segment, points| {
+                if self.between.get(segment as usize) != Some(&points) {
+                    wrong = wrong.or(Some(segment));
+                }
+            });
+            if let Some(segment) = wrong {
+                return Err(PlanError::Between(segment));
+            }
+        }
+        for node in 0..nodes.len() as u32 {
+            let bounds = self.end_start.get(node as usize..node as usize + 2).unwrap_or(&[0, 0]);
+            let ends = self.ends.get(bounds[0] as usize..bounds[1] as usize).unwrap_or(&[]);
+            let terms = self.terms_of(node);
+            let own = ends.iter().map(|&end| self.term(nodes, segments, lines, node, end));
+            if !own.eq(terms.iter().copied()) {
+                return Err(PlanError::Term(node));
+            }
+            let row = self.row_of.get(node as usize).copied().unwrap_or(Self::NOWHERE);
+            if let Some(&leaf) = self.leaves.get(row as usize) {
+                let mut later = terms.iter().filter(|[_, _, row]| *row != Self::NOWHERE);
+                let one = later.next().map(|&[port, _, row]| [port / 2, at(self.order, row)]);
+                if later.next().is_some() || one.unwrap_or([Self::NOWHERE; 2]) != leaf {
+                    return Err(PlanError::Term(node));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Columns of a row and the entry of the first.
     fn row(&self, row: usize) -> Option<(&[u32], usize)> {
         let (first, past) = (*self.row_start.get(row)? as usize, *self.row_start.get(row + 1)? as usize);
@@ -167,4 +302,8 @@ impl Plan<'_> {
         }
         Some(())
     }
+}
+
+fn at(list: &[u32], index: u32) -> u32 {
+    list.get(index as usize).copied().unwrap_or(Plan::NOWHERE)
 }

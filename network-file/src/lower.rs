@@ -52,7 +52,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         run,
         records,
         reference_pa: file.reference_pressure_pa as f32,
-        plan: PlanTables::new(&nodes, &tables.lines),
+        plan: PlanTables::new(&nodes, &tables.lines, &tables.segments),
         nodes,
         lines: tables.lines,
         segments: tables.segments,

@@ -1,13 +1,14 @@
 //! Connection tables of a network: the order of sums and of elimination.
 //!
-//! The implicit methods eliminate the nodes of unknown pressure one after the other. Each step takes the node
-//! with the fewest neighbours left (minimum degree, the lowest index among equals), which keeps a chain
-//! tridiagonal and leaves the hub of a star for the end. The pattern with its fill is written down here once;
-//! a step of the method then never searches.
+//! The implicit methods eliminate the nodes of unknown pressure one after the other. First go the branches of trees,
+//! nodes that have one line to one neighbour left, then the node with the fewest neighbours (minimum degree), which
+//! keeps a chain tridiagonal and leaves the hub of a star for the end. Among equals the one comes first that has
+//! waited longest: a chain is eliminated from both ends at once, two sequences that a processor runs side by side.
+//! The pattern with its fill is written down here once; a step of the method then never searches.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
-use eclss_core::{Line, Node, NodeKind, Plan};
+use eclss_core::{Element, Line, Network, Node, NodeKind, Plan, Segment};
 
 /// Owned connection tables; what [`Plan`] borrows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -28,13 +29,21 @@ pub struct PlanTables {
     pub stamps: Vec<[u32; 4]>,
     /// Position in `order` of every node.
     pub row_of: Vec<u32>,
+    /// Port and node of the only later neighbour of the first rows.
+    pub leaves: Vec<[u32; 2]>,
+    /// Port, earlier neighbour and later neighbour's row of every end in `ends`.
+    pub terms: Vec<[u32; 3]>,
+    /// Lines with a port at either end.
+    pub composite: Vec<u32>,
+    /// Points around every segment.
+    pub between: Vec<[u32; 2]>,
 }
 
 impl PlanTables {
-    /// Makes the tables for lines between nodes; every line's nodes must exist.
-    pub fn new(nodes: &[Node], lines: &[Line]) -> Self {
+    /// Makes the tables for lines of segments between nodes; every line's nodes and segments must exist.
+    pub fn new<E: Element>(nodes: &[Node], lines: &[Line], segments: &[Segment<E>]) -> Self {
         let (end_start, ends) = ends(nodes.len(), lines);
-        let (order, rows) = eliminate(nodes, lines);
+        let (order, rows, branches) = eliminate(nodes, lines);
         let mut row_of = vec![Plan::NOWHERE; nodes.len()];
         for (row, &node) in order.iter().enumerate() {
             row_of[node as usize] = row as u32;
@@ -50,7 +59,48 @@ impl PlanTables {
             tables.row_start.push(tables.columns.len() as u32);
         }
         tables.stamps = lines.iter().map(|line| tables.stamp(line)).collect();
+        tables.add_terms(nodes, lines, segments, branches);
         tables
+    }
+
+    /// Adds ports, points and terms.
+    fn add_terms<E: Element>(
+        &mut self,
+        nodes: &[Node],
+        lines: &[Line],
+        segments: &[Segment<E>],
+        branches: usize,
+    ) {
+        let network = Network {
+            reference_pa: 0.0,
+            nodes,
+            lines,
+            segments,
+            active: &[],
+            inputs: &[],
+            schedules: &[],
+            points: &[],
+            plan: Plan::EMPTY,
+        };
+        let composite = (0u32..).zip(lines).filter(|(_, line)| Plan::is_composite(&network, line));
+        self.composite = composite.map(|(index, _)| index).collect();
+        self.between = vec![[Plan::NOWHERE; 2]; segments.len()];
+        for line in lines {
+            Plan::points_of(&network, line, |segment, points| self.between[segment as usize] = points);
+        }
+        // The terms ask how many rows are branches, and the branches where their terms lead.
+        self.leaves = vec![[Plan::NOWHERE; 2]; branches];
+        for node in 0..nodes.len() {
+            let own = self.end_start[node] as usize..self.end_start[node + 1] as usize;
+            for &end in &self.ends[own] {
+                let term = self.plan().term(nodes, segments.len(), lines, node as u32, end);
+                self.terms.push(term);
+                let row = self.row_of[node] as usize;
+                if row < branches && term[2] != Plan::NOWHERE {
+                    self.leaves[row] = [term[0] / 2, self.order[term[2] as usize]];
+                }
+            }
+        }
     }
 
     /// Lends the tables.
@@ -64,6 +114,10 @@ impl PlanTables {
             diagonal: &self.diagonal,
             stamps: &self.stamps,
             row_of: &self.row_of,
+            leaves: &self.leaves,
+            terms: &self.terms,
+            composite: &self.composite,
+            between: &self.between,
         }
     }
 
@@ -100,42 +154,94 @@ fn ends(nodes: usize, lines: &[Line]) -> (Vec<u32>, Vec<u32>) {
     (start, ends)
 }
 
-/// Returns the order of elimination and, for every row in that order, the nodes in its pattern with fill.
-fn eliminate(nodes: &[Node], lines: &[Line]) -> (Vec<u32>, Vec<BTreeSet<u32>>) {
+/// Neighbours that are left during an elimination, and everything that was ever in a row.
+struct Rows {
+    left: Vec<BTreeSet<u32>>,
+    pattern: Vec<BTreeSet<u32>>,
+    order: Vec<u32>,
+}
+
+impl Rows {
+    /// Eliminates a node and calls `changed` with every neighbour that was left, before and after it changes.
+    fn eliminate(&mut self, node: u32, mut changed: impl FnMut(u32, usize, usize)) {
+        self.order.push(node);
+        let neighbours = std::mem::take(&mut self.left[node as usize]);
+        for &neighbour in &neighbours {
+            let row = &mut self.left[neighbour as usize];
+            let before = row.len();
+            row.extend(neighbours.iter().filter(|&&other| other != neighbour));
+            row.remove(&node);
+            changed(neighbour, before, row.len());
+            if neighbours.len() > 1 {
+                self.pattern[neighbour as usize].extend(row.iter());
+            }
+        }
+    }
+}
+
+/// Returns the order of elimination, for every row in that order the nodes in its pattern with fill, and how many
+/// rows are branches.
+fn eliminate(nodes: &[Node], lines: &[Line]) -> (Vec<u32>, Vec<BTreeSet<u32>>, usize) {
     let unknown = |node: u32| nodes[node as usize].kind != NodeKind::Boundary;
     let count = nodes.len() as u32;
-    // Neighbours that are left, and everything that was ever in the row.
     let mut left: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); nodes.len()];
+    // Several lines between the same two nodes are one neighbour, but no branch.
+    let mut doubled = BTreeSet::new();
     for line in lines.iter().filter(|line| line.from != line.to && unknown(line.from) && unknown(line.to)) {
-        left[line.from as usize].insert(line.to);
+        if !left[line.from as usize].insert(line.to) {
+            doubled.insert((line.from.min(line.to), line.from.max(line.to)));
+        }
         left[line.to as usize].insert(line.from);
     }
     let mut pattern: Vec<BTreeSet<u32>> = (0..count).map(|node| BTreeSet::from([node])).collect();
     for (row, neighbours) in pattern.iter_mut().zip(&left) {
         row.extend(neighbours);
     }
-    let mut queue: BTreeSet<(usize, u32)> =
-        (0..count).filter(|&node| unknown(node)).map(|node| (left[node as usize].len(), node)).collect();
-    let mut order = Vec::with_capacity(queue.len());
-    while let Some((_, node)) = queue.pop_first() {
-        order.push(node);
-        let neighbours = std::mem::take(&mut left[node as usize]);
-        for &neighbour in &neighbours {
-            let row = &mut left[neighbour as usize];
-            queue.remove(&(row.len(), neighbour));
-            row.extend(neighbours.iter().filter(|&&other| other != neighbour));
-            row.remove(&node);
-            queue.insert((row.len(), neighbour));
-            pattern[neighbour as usize].extend(row.iter());
+    let mut rows = Rows { left, pattern, order: Vec::new() };
+    let is_branch = |left: &[BTreeSet<u32>], node: u32| {
+        let mut neighbours = left[node as usize].iter();
+        let single = |&other: &u32| !doubled.contains(&(node.min(other), node.max(other)));
+        neighbours.next().is_none_or(single) && neighbours.next().is_none()
+    };
+    let mut waiting: VecDeque<u32> =
+        (0..count).filter(|&node| unknown(node) && is_branch(&rows.left, node)).collect();
+    let mut queued: Vec<bool> = (0..count).map(|node| !unknown(node)).collect();
+    waiting.iter().for_each(|&node| queued[node as usize] = true);
+    while let Some(node) = waiting.pop_front() {
+        let mut last = None;
+        rows.eliminate(node, |neighbour, _, _| last = Some(neighbour));
+        if let Some(node) = last.filter(|&node| !queued[node as usize] && is_branch(&rows.left, node)) {
+            queued[node as usize] = true;
+            waiting.push_back(node);
         }
     }
+    let branches = rows.order.len();
+    let mut ticket = count;
+    let mut tickets: Vec<u32> = (0..count).collect();
+    let mut queue: BTreeSet<(usize, u32, u32)> = (0..count)
+        .filter(|&node| !queued[node as usize])
+        .map(|node| (rows.left[node as usize].len(), node, node))
+        .collect();
+    while let Some((_, _, node)) = queue.pop_first() {
+        rows.eliminate(node, |neighbour, before, after| {
+            if before != after {
+                queue.remove(&(before, tickets[neighbour as usize], neighbour));
+                tickets[neighbour as usize] = ticket;
+                queue.insert((after, ticket, neighbour));
+                ticket += 1;
+            }
+        });
+    }
+    let Rows { mut pattern, order, .. } = rows;
     let rows = order.iter().map(|&node| std::mem::take(&mut pattern[node as usize])).collect();
-    (order, rows)
+    (order, rows, branches)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eclss_core::element::Pipe;
+    use eclss_core::{Method, StdElement};
 
     fn nodes(count: usize) -> Vec<Node> {
         let kind = NodeKind::Cabin { volume_m3: 60.0 };
@@ -149,13 +255,35 @@ mod tests {
             first_segment: 0,
             segments: 1,
             flow_segment: 0,
-            laminar_below_pa: 0.0,
+            laminar_below_pa: 1e-3,
             start_flow_kg_s: 0.0,
         }
     }
 
+    /// Tables of lines of one pipe each, which the core must accept.
+    fn made(nodes: &[Node], lines: &[Line]) -> PlanTables {
+        let pipe = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e3 });
+        let segment =
+            Segment { element: pipe, inertance_per_m: 100.0, outlet_volume_m3: 0.0, first_input: 0 };
+        let segments = vec![segment; lines.len()];
+        let lines: Vec<Line> =
+            (0u32..).zip(lines).map(|(index, line)| Line { first_segment: index, ..*line }).collect();
+        let tables = PlanTables::new(nodes, &lines, &segments);
+        let network = Network {
+            nodes,
+            lines: &lines,
+            segments: &segments,
+            active: &[],
+            inputs: &[],
+            plan: tables.plan(),
+            ..eclss_core::example::paper_loop()
+        };
+        assert_eq!(Method::TrBdf2.check(&network, 1_000), Ok(()));
+        tables
+    }
+
     fn tables(count: usize, pairs: &[(u32, u32)]) -> PlanTables {
-        PlanTables::new(&nodes(count), &pairs.iter().copied().map(line).collect::<Vec<_>>())
+        made(&nodes(count), &pairs.iter().copied().map(line).collect::<Vec<_>>())
     }
 
     /// What elimination needs: no pair of later neighbours of a node lacks an entry.
@@ -204,11 +332,17 @@ mod tests {
         let mut nodes = nodes(3);
         nodes[1].kind = NodeKind::Boundary;
         let lines = [line((0, 1)), line((2, 2)), line((0, 2))];
-        let tables = PlanTables::new(&nodes, &lines);
+        let tables = made(&nodes, &lines);
         let no = Plan::NOWHERE;
         assert_eq!(tables.row_of, [0, no, 1]);
         assert_eq!(tables.stamps, [[0, no, no, no], [3, no, no, 3], [0, 1, 2, 3]]);
         assert_eq!(tables.end_start, [0, 2, 3, 6]);
         assert_eq!(tables.ends, [0, 4, 1, 2, 3, 5]);
+        assert_eq!(tables.leaves, [[2, 2], [no, no]]);
+        assert_eq!(
+            tables.terms,
+            [[0, 1, no], [4, 3, 1], [1, 0, no], [2, 3, no], [3, 3, no], [5, 0, no]],
+            "the held node is always eliminated, the later one is not yet, and a loop meets itself"
+        );
     }
 }

@@ -108,12 +108,18 @@ impl Loaded {
             ("PLAN_COLUMNS", &plan.columns),
             ("PLAN_DIAGONAL", &plan.diagonal),
             ("PLAN_ROW_OF", &plan.row_of),
+            ("PLAN_COMPOSITE", &plan.composite),
         ];
         for (name, list) in lists {
             let _ = writeln!(text, "\nstatic {name}: [u32; {}] = {list:?};", list.len());
         }
         let _ =
             writeln!(text, "\nstatic PLAN_STAMPS: [[u32; 4]; {}] = {:?};", plan.stamps.len(), plan.stamps);
+        let _ =
+            writeln!(text, "\nstatic PLAN_LEAVES: [[u32; 2]; {}] = {:?};", plan.leaves.len(), plan.leaves);
+        let _ = writeln!(text, "\nstatic PLAN_TERMS: [[u32; 3]; {}] = {:?};", plan.terms.len(), plan.terms);
+        let _ =
+            writeln!(text, "\nstatic PLAN_BETWEEN: [[u32; 2]; {}] = {:?};", plan.between.len(), plan.between);
     }
 
     fn write_network(&self, text: &mut String) {
@@ -132,7 +138,9 @@ impl Loaded {
                          end_start: &PLAN_END_START,\n            ends: &PLAN_ENDS,\n            \
                          order: &PLAN_ORDER,\n            row_start: &PLAN_ROW_START,\n            \
                          columns: &PLAN_COLUMNS,\n            diagonal: &PLAN_DIAGONAL,\n            \
-                         stamps: &PLAN_STAMPS,\n            row_of: &PLAN_ROW_OF,\n        \
+                         stamps: &PLAN_STAMPS,\n            row_of: &PLAN_ROW_OF,\n            \
+                         leaves: &PLAN_LEAVES,\n            terms: &PLAN_TERMS,\n            \
+                         composite: &PLAN_COMPOSITE,\n            between: &PLAN_BETWEEN,\n        \
                      }},\n    }};\n    \
                  const SETTINGS: Settings = Settings {{ method: METHOD, step_us: STEP_US }};\n\
              }}\n\n\

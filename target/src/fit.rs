@@ -52,7 +52,11 @@ impl Need {
             + size_of_val(network.points)
             + words.iter().map(|list| size_of_val(*list)).sum::<usize>()
             + size_of_val(plan.stamps)
-            + size_of_val(plan.row_of);
+            + size_of_val(plan.row_of)
+            + size_of_val(plan.leaves)
+            + size_of_val(plan.terms)
+            + size_of_val(plan.composite)
+            + size_of_val(plan.between);
         let Sizes { state, work, inputs, cursors } = method.sizes(network);
         let ram = size_of::<f32>() * (state + work + inputs + cursors);
         Self { flash: flash as u64, ram: ram as u64 }

@@ -11,7 +11,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout; readers refuse any other.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 /// Capacity of [`Image`]: nodes, lines, and entries of the elimination.
 pub const NODES: usize = 64;
 /// Segments, inputs and points of schedules.
@@ -25,7 +25,7 @@ pub const NUMBERS: usize = 8 * 1024;
 /// Bytes of the hash at the end.
 const TRAILER: usize = 8;
 /// Most bytes of an image that fits these capacities: every table full, every number at its longest.
-pub const BYTES: usize = 24 * 1024;
+pub const BYTES: usize = 30 * 1024;
 
 /// Why an image was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +73,10 @@ struct Written<'a> {
     diagonal: &'a [u32],
     stamps: &'a [[u32; 4]],
     row_of: &'a [u32],
+    leaves: &'a [[u32; 2]],
+    terms: &'a [[u32; 3]],
+    composite: &'a [u32],
+    between: &'a [[u32; 2]],
 }
 
 /// A network that was loaded at run time, with how it is run.
@@ -99,6 +103,10 @@ pub struct Image {
     diagonal: Vec<u32, NODES>,
     stamps: Vec<[u32; 4], NODES>,
     row_of: Vec<u32, NODES>,
+    leaves: Vec<[u32; 2], NODES>,
+    terms: Vec<[u32; 3], { 2 * NODES }>,
+    composite: Vec<u32, NODES>,
+    between: Vec<[u32; 2], SEGMENTS>,
 }
 
 /// Writes a description and its settings into `buffer`; returns the part that was used.
@@ -130,6 +138,10 @@ pub fn write<'b>(
         diagonal: plan.diagonal,
         stamps: plan.stamps,
         row_of: plan.row_of,
+        leaves: plan.leaves,
+        terms: plan.terms,
+        composite: plan.composite,
+        between: plan.between,
     };
     let room = buffer.len().checked_sub(TRAILER).ok_or(ImageError::NoRoom)?;
     let used = postcard::to_slice(&written, &mut buffer[..room]).map_err(|_| ImageError::NoRoom)?.len();
@@ -187,6 +199,10 @@ impl Image {
                 diagonal: &self.diagonal,
                 stamps: &self.stamps,
                 row_of: &self.row_of,
+                leaves: &self.leaves,
+                terms: &self.terms,
+                composite: &self.composite,
+                between: &self.between,
             },
         }
     }
@@ -256,6 +272,10 @@ mod tests {
                 diagonal: &[u32::MAX; NODES],
                 stamps: &[[u32::MAX; 4]; NODES],
                 row_of: &[u32::MAX; NODES],
+                leaves: &[[u32::MAX; 2]; NODES],
+                terms: &[[u32::MAX; 3]; 2 * NODES],
+                composite: &[u32::MAX; NODES],
+                between: &[[u32::MAX; 2]; SEGMENTS],
             },
             ..paper.network()
         };

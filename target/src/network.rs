@@ -34,6 +34,10 @@ const _: () = {
         + plan.diagonal.len()
         + plan.row_of.len()
         + 4 * plan.stamps.len()
+        + 2 * plan.leaves.len()
+        + 3 * plan.terms.len()
+        + plan.composite.len()
+        + 2 * plan.between.len()
         + network.inputs.len();
     let bytes = size_of_val(network.nodes)
         + size_of_val(network.lines)

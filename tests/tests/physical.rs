@@ -1,6 +1,7 @@
 //! The implicit methods against experiments P and P0: inertance, duct volumes, a valve that closes in 1 s.
 
 use eclss_core::{Element, Method, Network, Node, NodeKind, Segment, example};
+use eclss_network_file::PlanTables;
 use eclss_tests::physical::{Drain, Lumped, Ringing};
 use eclss_tests::product::{closing_loop, step_until, with_simulator};
 use eclss_tests::tight::{self, Equations, Family};
@@ -22,16 +23,8 @@ fn with_held_cabin<T>(storage: bool, body: impl FnOnce(&Network<'_>) -> T) -> T 
             ..*segment
         })
         .collect();
-    let plan = eclss_core::Plan {
-        order: &[],
-        row_start: &[0],
-        columns: &[],
-        diagonal: &[],
-        stamps: &[[eclss_core::Plan::NOWHERE; 4]],
-        row_of: &[eclss_core::Plan::NOWHERE],
-        ..network.plan
-    };
-    body(&Network { nodes: &nodes, segments: &segments, plan, ..network })
+    let tables = PlanTables::new(&nodes, network.lines, &segments);
+    body(&Network { nodes: &nodes, segments: &segments, plan: tables.plan(), ..network })
 }
 
 /// Flow at the valve [kg/s] after every step.

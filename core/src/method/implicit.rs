@@ -5,9 +5,9 @@
 //! ```
 //!
 //! A stage of length τ solves `M·(δ − β) = τ·f(x + δ)` for increments δ since the step's start by Newton
-//! iterations of fixed number: each line eliminates its interior ([`line`]), the nodes remain in a sparse
-//! M-matrix whose elimination was planned when the network was built ([`matrix`]). Rows without inertance or
-//! capacity are solved as 0 = f.
+//! iterations of fixed number: all segments are linearised ([`segment`]), each line eliminates its interior ([`line`]),
+//! the nodes remain in a sparse M-matrix whose elimination was planned when the network was built ([`matrix`]).
+//! Segments without volume between them are one flow ([`law`]); rows without inertance or capacity are solved as 0 = f.
 //!
 //! - `implicit-euler`: τ = h, β = 0, one solve. First order.
 //! - `tr-bdf2`: τ = (1 − 1/√2)·h in both stages; a trapezoidal stage to γ = 2 − √2, then BDF2 with
@@ -15,16 +15,20 @@
 //!
 //! Masses move by mean flows over the step, each rounded once, never by the solved pressures.
 
-pub(crate) mod line;
-pub(crate) mod matrix;
+pub(crate) mod law;
+pub(crate) mod layout;
+mod line;
+mod matrix;
+mod segment;
 
-use self::line::{CELL, Cell};
-use self::matrix::Matrix;
-use super::common::{self, Common, Cut};
-use crate::element::{Element, Operating};
+use self::layout::{State, Work, at, continues, is_joined};
+use self::segment::{Columns, Model};
+use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
-use crate::{Line, Method, MethodError, Network, NodeKind, Plan, Segment, air, math};
+use crate::{Line, Method, MethodError, Network, NodeKind, air, math};
+
+pub(crate) use self::layout::sizes;
 
 /// (1 − 1/√2): stage length of TR-BDF2 over the step, and weight of the last stage in the mean flow.
 const TAU: f32 = 0.292_893_23;
@@ -39,31 +43,15 @@ const MEAN: f32 = 0.353_553_4;
 /// friction rather than against inertance within one stage, the slope is guarded.
 const EXPECTED_DRIVE_PA: f32 = 1e3;
 
-/// Figures of a node: pressure [Pa gauge]; its increment; dp/dm [Pa/kg]; C/τ [kg/(s·Pa)]; known part of the
-/// balance [kg/s].
-pub(crate) const NODE_FIGURES: usize = 5;
-type NodeFigures = [f32; NODE_FIGURES];
-
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
-    let (nodes, lines, segments) = (network.nodes.len(), network.lines.len(), network.segments.len());
-    let (rows, entries) = (network.plan.order.len(), network.plan.columns.len());
-    (
-        Common::length(network) + 2 * nodes + 4 * segments,
-        NODE_FIGURES * nodes + 2 * lines + CELL * segments + entries + 3 * rows,
-    )
-}
-
 pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
     if step_us == 0 {
         return Err(MethodError::Step { longest_us: u32::MAX });
     }
     network.plan.check_elimination(network.nodes, network.lines).map_err(MethodError::Plan)?;
+    network.plan.check_terms(network).map_err(MethodError::Plan)?;
     for line in network.lines {
         for (index, segment) in (line.first_segment..).zip(network.segments_of(line)) {
-            let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-            let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 });
+            let law = law::of(segment, network.inputs, 0.0);
             let resists_at_rest = law.linear > 0.0 || (law.resistance > 0.0 && line.laminar_below_pa > 0.0);
             if segment.inertance_per_m <= 0.0 && !resists_at_rest {
                 return Err(MethodError::NothingResists(index));
@@ -73,50 +61,19 @@ pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Resul
     Ok(())
 }
 
-struct State<'s> {
-    common: Common<'s>,
-    /// Pressures of nodes without volume, and carries [Pa gauge].
-    junctions: &'s mut [[f32; 2]],
-    /// Flow of every segment and its carry [kg/s], pressure behind it and its carry [Pa gauge].
-    segments: &'s mut [[f32; 4]],
-}
-
-impl<'s> State<'s> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
-        let cut = &mut Cut(buffer);
-        let common = Common::cut(network, cut);
-        let junctions = cut.take_rows(network.nodes.len());
-        Self { common, junctions, segments: cut.take_rows(network.segments.len()) }
-    }
-}
-
-struct Work<'w> {
-    nodes: &'w mut [NodeFigures],
-    /// Flow below which a line is linear in this stage [kg/s].
-    laminar: &'w mut [f32],
-    /// 1 where a line has a joint that stores next to nothing, else 0.
-    stiff: &'w mut [f32],
-    cells: &'w mut [Cell],
-    matrix: Matrix<'w>,
-}
-
-impl<'w> Work<'w> {
-    fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
-        let rows = network.plan.order.len();
-        let cut = &mut Cut(buffer);
-        let nodes = cut.take_rows(network.nodes.len());
-        let (laminar, stiff) = (cut.take(network.lines.len()), cut.take(network.lines.len()));
-        let cells = cut.take_rows(network.segments.len());
-        let (entries, rhs) = (cut.take(network.plan.columns.len()), cut.take(rows));
-        let matrix = Matrix { entries, rhs, reciprocal: cut.take(rows), dense: cut.take(rows) };
-        Self { nodes, laminar, stiff, cells, matrix }
-    }
-}
-
-/// The cells of a line.
+/// The segments of a line.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn range(line: &Line) -> core::ops::Range<usize> {
     let first = line.first_segment as usize;
     first..first + line.segments as usize
+}
+
+/// Length of a stage [s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn stage(method: Method, h: f32) -> f32 {
+    if method == Method::TrBdf2 { TAU * h } else { h }
 }
 
 /// Sets the start state and everything that stays constant during a run.
@@ -131,48 +88,71 @@ pub(crate) fn start<E: Element>(
     state.fill(0.0);
     work.fill(0.0);
     let state = State::of(network, state);
-    let work = Work::of(network, work);
-    let tau = if method == Method::TrBdf2 { TAU * h } else { h };
-    for ((node, figures), [junction, _]) in network.nodes.iter().zip(work.nodes).zip(state.junctions) {
+    let mut work = Work::of(network, work);
+    let (tau, nodes) = (stage(method, h), network.nodes.len());
+    for (index, (node, [junction, _])) in network.nodes.iter().zip(state.junctions).enumerate() {
         *junction = node.start_gauge_pa;
         let per_mass = node.pressure_per_mass_pa_kg();
         let capacity = if per_mass > 0.0 { 1.0 / (per_mass * tau) } else { 0.0 };
-        *figures = [node.start_gauge_pa, 0.0, per_mass, capacity, 0.0];
+        for (column, value) in [
+            (&mut work.pressure, node.start_gauge_pa),
+            (&mut work.per_mass, per_mass),
+            (&mut work.capacity, capacity),
+            (&mut work.excess, capacity),
+        ] {
+            if let Some(slot) = column.get_mut(index) {
+                *slot = value;
+            }
+        }
+        // A held pressure holds all of itself.
+        if let Some(swept) = work.swept.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
+            *swept = [1.0, 0.0];
+        }
     }
-    for (line, stiff) in network.lines.iter().zip(work.stiff) {
+    for line in network.lines {
         let node = network.nodes.get(line.from as usize);
         let (temperature, from) = node.map_or((0.0, 0.0), |node| (node.temperature_k, node.start_gauge_pa));
-        let (Some(cells), Some(states)) =
-            (work.cells.get_mut(range(line)), state.segments.get_mut(range(line)))
-        else {
-            continue;
-        };
-        for ((segment, cell), state) in network.segments_of(line).iter().zip(cells.iter_mut()).zip(states) {
+        for (index, segment) in range(line).zip(network.segments_of(line)) {
             let volume = segment.outlet_volume_m3;
             let rise = if volume > 0.0 { air::pressure_per_mass_pa_kg(volume, temperature) } else { 0.0 };
+            if let Some([capacity, own_rise, ..]) = work.joints.get_mut(index) {
+                (*capacity, *own_rise) = (if rise > 0.0 { 1.0 / (rise * tau) } else { 0.0 }, rise);
+            }
+            let law = law::of(segment, inputs, line.start_flow_kg_s);
             let inertia = segment.inertance_per_m / tau;
-            *state = [line.start_flow_kg_s, 0.0, from, 0.0];
-            set_law(cell, segment, inputs, line.start_flow_kg_s);
-            // A law that changes may become as stiff as it likes within one step.
-            let guarded =
-                segment.element.is_active() || inertia * inertia < 4.0 * cell[4] * EXPECTED_DRIVE_PA;
-            cell[0] = inertia;
-            cell[1] = if rise > 0.0 { 1.0 / (rise * tau) } else { 0.0 };
-            cell[2] = segment.element.removal();
-            cell[3] = if guarded { 1.0 } else { 0.0 };
-            cell[14] = rise;
+            let guarded = segment::needs_guard(segment.element.is_active(), inertia, law.resistance);
+            let (k, l, f) = (law.resistance, law.linear, law.head);
+            if let Some(own) = work.law.get_mut(index) {
+                *own = [k, l, f];
+            }
+            let joined = continues(&network.plan, index) || is_joined(&network.plan, index);
+            if let (true, Some(merged)) = (joined, work.merged.first_mut()) {
+                *merged = 1.0;
+            }
+            // What belongs to the next segment's reach is solved beside it as 1·w = 0.
+            let own = if joined { [1.0, 0.0, 0.0, 0.0] } else { [inertia, k, l, f] };
+            for (column, value) in [
+                (&mut work.inertia, own[0]),
+                (&mut work.quadratic, own[1]),
+                (&mut work.linear, own[2]),
+                (&mut work.head, own[3]),
+                (&mut work.guarded, if guarded || joined { 1.0 } else { 0.0 }),
+            ] {
+                if let Some(slot) = column.get_mut(index) {
+                    *slot = value;
+                }
+            }
+            let flows = !continues(&network.plan, index);
+            if let Some(flow) = state.flow.get_mut(index).filter(|_| flows) {
+                *flow = line.start_flow_kg_s;
+            }
+            if let Some(pressure) = work.pressure.get_mut(nodes + index) {
+                *pressure = from;
+            }
         }
-        *stiff = if line::has_stiff_joint(cells) { 1.0 } else { 0.0 };
+        law::set_laminar(line, &mut work);
     }
-}
-
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn set_law<E: Element>(cell: &mut Cell, segment: &Segment<E>, inputs: &[f32], mass_flow_kg_s: f32) {
-    let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-    let law = segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 });
-    let [_, _, _, _, resistance, linear, head, ..] = cell;
-    (*resistance, *linear, *head) = (law.resistance, law.linear, law.head);
+    law::join(network, tau, inputs, state.flow, &mut work);
 }
 
 /// Inputs at the step's start, at the inner stage and at the step's end.
@@ -181,6 +161,21 @@ pub(crate) struct StageInputs<'i> {
     pub(crate) start: &'i [f32],
     pub(crate) middle: &'i [f32],
     pub(crate) end: &'i [f32],
+}
+
+/// The columns of a pass, out of the work buffer.
+macro_rules! columns {
+    ($work:expr, $flow:expr) => {
+        Columns {
+            inertia: &*$work.inertia,
+            quadratic: &*$work.quadratic,
+            linear: &*$work.linear,
+            laminar: &*$work.laminar,
+            guarded: &*$work.guarded,
+            head: &*$work.head,
+            flow: &*$flow,
+        }
+    };
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
@@ -195,236 +190,115 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     inputs: StageInputs<'_>,
 ) -> (Margin, Option<Place>) {
     let (mut state, mut work) = (State::of(network, state), Work::of(network, work));
-    let work = &mut work;
-    begin(network, &state, work);
+    let (state, work) = (&mut state, &mut work);
+    let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
+    segment::differences(network, work.pressure, work.drop);
+    work.delta.fill(0.0);
+    work.differ.fill(0.0);
     let weights = if method == Method::TrBdf2 {
-        laws::<E, UNROLL>(network, inputs.start, work);
-        rates(network, work);
-        laws::<E, UNROLL>(network, inputs.middle, work);
-        push(network, work);
-        for _ in 0..2 {
-            solve(network, work);
+        work.first.fill(0.0);
+        law::update::<E, UNROLL>(network, model.tau, inputs.start, state.flow, work);
+        model.rates(columns!(work, state.flow), work.drop, work.momentum);
+        law::update::<E, UNROLL>(network, model.tau, inputs.middle, state.flow, work);
+        known_at_start(network, state.flow, work);
+        begin(model, true, state.flow, work);
+        solve(network, state.flow, work);
+        again(model, true, state.flow, work);
+        solve(network, state.flow, work);
+
+        segment::carry_over(
+            [work.inertia, work.drop, work.differ, work.q],
+            work.ports,
+            work.momentum,
+            work.first,
+        );
+        for ((known, capacity), delta) in
+            work.known.iter_mut().zip(work.capacity.iter()).zip(work.delta.iter())
+        {
+            *known = CARRY_OVER * capacity * delta;
         }
-        settle(network, work);
-        carry_over(work);
-        laws::<E, UNROLL>(network, inputs.end, work);
-        push(network, work);
-        for _ in 0..2 {
-            solve(network, work);
-        }
-        settle(network, work);
+        line::carry_over(network, work);
+        law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
+        begin(model, false, state.flow, work);
+        solve(network, state.flow, work);
+        again(model, false, state.flow, work);
+        solve(network, state.flow, work);
         [MEAN, TAU]
     } else {
-        laws::<E, UNROLL>(network, inputs.end, work);
-        push(network, work);
-        solve(network, work);
-        settle(network, work);
+        work.first.fill(0.0);
+        work.known.fill(0.0);
+        law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
+        work.momentum.copy_from_slice(work.drop);
+        begin(model, false, state.flow, work);
+        solve(network, state.flow, work);
         [0.0, 1.0]
     };
-    let place = commit(network, h, weights, &mut state, work);
+    let place = commit(network, h, weights, state, work);
     (Margin::by_construction(1.0), place)
 }
 
-/// Takes flows and pressures of the step's start over into the cells and clears the iterate.
+/// Linearises all segments at a stage's start.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn begin<E: Element>(network: &Network<'_, E>, state: &State<'_>, work: &mut Work<'_>) {
-    for [_, delta, _, _, known] in work.nodes.iter_mut() {
-        (*delta, *known) = (0.0, 0.0);
-    }
-    for (cell, [flow, _, gauge, _]) in work.cells.iter_mut().zip(state.segments.iter()) {
-        let [_, _, _, _, _, _, _, momentum, mass, w, p, dw, dp, first, ..] = cell;
-        (*momentum, *mass, *w, *p) = (0.0, 0.0, *flow, *gauge);
-        (*dw, *dp, *first) = (0.0, 0.0, 0.0);
-    }
-    let columns = work.laminar.iter().zip(work.stiff.iter());
-    for (line, (laminar, stiff)) in network.lines.iter().zip(columns) {
-        let pressure = |node: u32| work.nodes.get(node as usize).map_or(0.0, |[pressure, ..]| *pressure);
-        let (from, to) = (pressure(line.from), pressure(line.to));
-        let Some(cells) = work.cells.get_mut(range(line)) else { continue };
-        if let Some([_, _, _, _, _, _, _, _, _, _, p, ..]) = cells.last_mut() {
-            *p = to;
-        }
-        if *stiff > 0.0 {
-            line::rebase(cells, from, *laminar);
-        }
-    }
-}
-
-/// Evaluates the laws that may have changed, and every line's laminar flow. `UNROLL` walks all segments, for a
-/// description known to the compiler.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn laws<E: Element, const UNROLL: bool>(network: &Network<'_, E>, inputs: &[f32], work: &mut Work<'_>) {
-    let mut set = |index: usize, segment: &Segment<E>| {
-        if let Some(cell) = work.cells.get_mut(index) {
-            let [_, _, _, _, _, _, _, _, _, w, _, dw, ..] = *cell;
-            set_law(cell, segment, inputs, w + dw);
-        }
-    };
-    if UNROLL {
-        for (index, segment) in network.segments.iter().enumerate() {
-            if segment.element.is_active() {
-                set(index, segment);
-            }
-        }
-    } else {
-        for active in network.active {
-            if let Some(segment) = network.segments.get(active.segment as usize) {
-                set(active.segment as usize, segment);
-            }
-        }
-    }
-    for (line, laminar) in network.lines.iter().zip(work.laminar.iter_mut()) {
-        if line.laminar_below_pa > 0.0 {
-            let cells = work.cells.get(range(line)).unwrap_or(&[]);
-            let resistance: f32 = cells.iter().map(|[_, _, _, _, resistance, ..]| *resistance).sum();
-            *laminar = math::sqrt(line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
-        }
-    }
-}
-
-/// Known parts of the trapezoidal stage: the rates of change at the step's start.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn rates<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
-    for (line, laminar) in network.lines.iter().zip(work.laminar.iter()) {
-        let laminar = if line.laminar_below_pa > 0.0 { *laminar } else { 0.0 };
-        let Some(cells) = work.cells.get_mut(range(line)) else { continue };
-        let from = work.nodes.get(line.from as usize).map_or(0.0, |[pressure, ..]| *pressure);
-        let (inlet, outlet) = line::rates(cells, from, laminar);
-        if line.from == line.to {
-            add_known(work.nodes, line.from, outlet - inlet);
-        } else {
-            add_known(work.nodes, line.from, -inlet);
-            add_known(work.nodes, line.to, outlet);
-        }
-    }
-}
-
-/// Adds to the known part of a node's balance; where nothing is stored, nothing is known.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn add_known(nodes: &mut [NodeFigures], node: u32, value: f32) {
-    if let Some([_, _, _, capacity, known]) = nodes.get_mut(node as usize)
-        && *capacity > 0.0
-    {
-        *known += value;
-    }
-}
-
-/// Known parts of the BDF2 stage: a share of the first stage's increments.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn carry_over(work: &mut Work<'_>) {
-    for cell in work.cells.iter_mut() {
-        let [inertia, capacity, _, _, _, _, _, momentum, mass, _, _, dw, dp, first, ..] = cell;
-        *momentum = CARRY_OVER * *inertia * *dw;
-        *mass = CARRY_OVER * *capacity * *dp;
-        *first = *dw;
-    }
-    for [_, delta, _, capacity, known] in work.nodes.iter_mut() {
-        *known = CARRY_OVER * *capacity * *delta;
-    }
-}
-
-/// Completes the known parts of all momenta for a stage.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn push<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
-    for line in network.lines {
-        let from = work.nodes.get(line.from as usize).map_or(0.0, |[pressure, ..]| *pressure);
-        if let Some(cells) = work.cells.get_mut(range(line)) {
-            line::push(cells, from);
-        }
-    }
-}
-
-/// One Newton iteration: all lines are swept, the nodes solved, the lines filled in.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn solve<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
-    let plan = &network.plan;
-    work.matrix.entries.fill(0.0);
-    for ((&node, &diagonal), rhs) in plan.order.iter().zip(plan.diagonal).zip(work.matrix.rhs.iter_mut()) {
-        if let (Some(entry), Some([_, _, _, capacity, known])) =
-            (work.matrix.entries.get_mut(diagonal as usize), work.nodes.get(node as usize))
-        {
-            (*entry, *rhs) = (*capacity, *known);
-        }
-    }
-    for ((line, laminar), stamps) in network.lines.iter().zip(work.laminar.iter()).zip(plan.stamps) {
-        // Said this way, a line without laminar range is known to have none when the network is compiled in.
-        let laminar = if line.laminar_below_pa > 0.0 { *laminar } else { 0.0 };
-        let (Some(cells), Some(from), Some(to)) = (
-            work.cells.get_mut(range(line)),
-            work.nodes.get(line.from as usize),
-            work.nodes.get(line.to as usize),
-        ) else {
-            continue;
-        };
-        let mut arrives = 1.0;
-        if let Some([_, _, removal, _, _, _, _, _, _, w, _, dw, dp, ..]) = cells.last_mut() {
-            *dp = to[1];
-            // What a drain at the last element takes never reaches the outlet node.
-            if *removal > 0.0 && *w + *dw > 0.0 {
-                arrives = 1.0 / (1.0 + *removal);
-            }
-        }
-        let admittance = line::sweep(cells, from[1], laminar);
-        stamp(&mut work.matrix, plan, line, *stamps, &admittance, arrives);
-    }
-    work.matrix.solve(plan);
-    for (&node, &solution) in plan.order.iter().zip(work.matrix.rhs.iter()) {
-        if let Some([_, delta, ..]) = work.nodes.get_mut(node as usize) {
-            *delta = solution;
-        }
-    }
-    for line in network.lines {
-        let delta = |node: u32| work.nodes.get(node as usize).map_or(0.0, |[_, delta, ..]| *delta);
-        if let Some(cells) = work.cells.get_mut(range(line)) {
-            line::substitute(cells, delta(line.from), delta(line.to));
-        }
-    }
-}
-
-/// Makes the flows of a stage agree where a line stores next to nothing between them.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn settle<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
-    for (line, stiff) in network.lines.iter().zip(work.stiff.iter()) {
-        if let Some(cells) = work.cells.get_mut(range(line)).filter(|_| *stiff > 0.0) {
-            line::settle(cells);
-        }
-    }
-}
-
-/// Adds a line to the node equations.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn stamp(
-    matrix: &mut Matrix<'_>,
-    plan: &Plan<'_>,
-    line: &Line,
-    stamps: [u32; 4],
-    admittance: &line::Admittance,
-    arrives: f32,
+fn begin<E: Element, const UNROLL: bool>(
+    model: &Model<'_, '_, E, UNROLL>,
+    carry: bool,
+    flow: &[f32],
+    work: &mut Work<'_>,
 ) {
-    let a = admittance;
-    let row = |node: u32| plan.row_of.get(node as usize).copied().unwrap_or(Plan::NOWHERE);
-    let [from_from, from_to, to_from, to_to] = stamps;
-    if line.from == line.to {
-        // The two through-parts belong to the same pressure and cancel exactly.
-        matrix.add_rhs(row(line.from), arrives * a.outlet - a.inlet);
-        matrix.add(from_from, a.inlet_held + arrives * a.outlet_held);
-        return;
+    let columns = columns!(work, flow);
+    model.begin(columns, carry, [work.differ, work.first], work.momentum, work.q, work.ports);
+}
+
+/// Linearises all segments at the last solution.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn again<E: Element, const UNROLL: bool>(
+    model: &Model<'_, '_, E, UNROLL>,
+    carry: bool,
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    let columns = columns!(work, flow);
+    model.again(columns, carry, [work.differ, work.momentum], work.q, work.ports);
+}
+
+/// Known parts of the node balances in the trapezoidal stage. The flows of the step's start are counted with those
+/// of the stage; where nothing is stored they are taken off again.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn known_at_start<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+    for [_, _, known, ..] in work.joints.iter_mut() {
+        *known = 0.0;
     }
-    matrix.add_rhs(row(line.from), -a.inlet);
-    matrix.add_rhs(row(line.to), arrives * a.outlet);
-    matrix.add(from_from, a.inlet_held + a.inlet_through);
-    matrix.add(from_to, -a.inlet_through);
-    matrix.add(to_from, -(arrives * a.outlet_through));
-    matrix.add(to_to, arrives * (a.outlet_held + a.outlet_through));
+    for ((index, node), known) in (0u32..).zip(network.nodes).zip(work.known.iter_mut()) {
+        *known = 0.0;
+        if node.kind == NodeKind::Junction {
+            for &[end, ..] in network.plan.terms_of(index) {
+                let (port, segments) = ((end / 2) as usize, network.segments.len());
+                let w = match port.checked_sub(segments) {
+                    None => at(flow, end / 2),
+                    Some(place) => {
+                        let line = network.plan.composite.get(place / 2);
+                        let line = line.and_then(|&line| network.lines.get(line as usize));
+                        let [inlet, outlet] = line.map_or([0.0; 2], |line| line::flows(network, line, flow));
+                        if end % 2 == 0 { inlet } else { outlet }
+                    }
+                };
+                *known -= matrix::inward(w, end);
+            }
+        }
+    }
+}
+
+/// One Newton iteration: the lines' interiors are eliminated, the nodes solved, the lines filled in.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn solve<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+    line::sweep(network, flow, work);
+    matrix::solve(network, work);
+    line::substitute(network, work);
+    segment::differences(network, work.delta, work.differ);
 }
 
 /// Moves masses by the mean flows of the step and takes the last stage's increments over.
@@ -437,31 +311,52 @@ fn commit<E: Element>(
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) -> Option<Place> {
-    let mut place = None;
-    for (index, line) in (0u32..).zip(network.lines) {
-        let (Some(cells), Some(states)) = (work.cells.get(range(line)), state.segments.get_mut(range(line)))
-        else {
-            continue;
-        };
-        let moved = line::commit(cells, states, h, weights, Fault::FLOW_LIMIT_KG_S);
-        if moved.beyond {
-            place = place.or(Some(Place::Line(index)));
+    segment::pass(h, weights, [work.differ, work.first, state.flow], work.ports, work.q, work.passed);
+    line::transfer(network, h, weights, state, work);
+    let mut beyond = segment::take_over(work.q, state.flow, state.flow_carry, Fault::FLOW_LIMIT_KG_S);
+    let mut composite = network.plan.composite.iter().zip((network.segments.len() as u32..).step_by(2));
+    let mut next = composite.next();
+    for (index, (line, sums)) in (0u32..).zip(network.lines.iter().zip(state.common.lines.iter_mut())) {
+        let [_, _, given, carry, ..] = sums;
+        let mut port = line.first_segment;
+        if let Some((&own, inlet)) = next
+            && own == index
+        {
+            (port, next) = (inlet + 1, composite.next());
+            line::settle(network, line, state.mass, work);
         }
-        common::transfer(&mut state.common, index as usize, line, moved.taken, moved.given, moved.drained);
+        math::compensated_add(given, carry, at(work.passed, port));
     }
-    let nodes = work.nodes.iter_mut().zip(state.common.nodes.iter()).zip(state.junctions.iter_mut());
-    for ((([pressure, delta, per_mass, ..], [mass, ..]), [junction, carry]), (index, node)) in
-        nodes.zip((0u32..).zip(network.nodes))
+    for ((index, node), ([mass, carry, ..], [junction, junction_carry])) in
+        (0u32..).zip(network.nodes).zip(state.common.nodes.iter_mut().zip(state.junctions.iter_mut()))
     {
-        *pressure = if node.kind == NodeKind::Junction {
-            math::compensated_add(junction, carry, *delta);
+        for &[end, ..] in network.plan.terms_of(index) {
+            math::compensated_add(mass, carry, matrix::inward(at(work.passed, end / 2), end));
+        }
+        let gauge = if node.kind == NodeKind::Junction {
+            math::compensated_add(junction, junction_carry, at(work.delta, index));
             *junction
         } else {
-            node.start_gauge_pa + *per_mass * *mass
+            node.start_gauge_pa + at(work.per_mass, index) * *mass
         };
-        if Fault::outside(*pressure, network.reference_pa) {
-            place = place.or(Some(Place::Node(index)));
+        if let Some(pressure) = work.pressure.get_mut(index as usize) {
+            *pressure = gauge;
         }
+        beyond |= Fault::outside(gauge, network.reference_pa);
     }
-    place
+    // One flag tells whether anything is wrong; only then is it looked for.
+    if beyond { first_outside(network, state.flow, work.pressure) } else { None }
+}
+
+/// Names what left its range; only asked for when something did.
+#[cold]
+fn first_outside<E>(network: &Network<'_, E>, flow: &[f32], pressure: &[f32]) -> Option<Place> {
+    let wild = |line: &Line| {
+        let flows = flow.get(range(line)).unwrap_or(&[]);
+        flows.iter().any(|w| math::beyond(*w, Fault::FLOW_LIMIT_KG_S))
+    };
+    let line = network.lines.iter().position(wild).map(|index| Place::Line(index as u32));
+    let nodes = pressure.get(..network.nodes.len()).unwrap_or(&[]);
+    let node = || nodes.iter().position(|gauge| Fault::outside(*gauge, network.reference_pa));
+    line.or_else(|| node().map(|index| Place::Node(index as u32)))
 }

@@ -3,10 +3,11 @@
 //! Every method keeps the nodes' gauge pressures at the beginning of its work buffer and the shared part at
 //! the beginning of its state.
 
+use super::adaptive;
 use super::common::{self, Common};
-use super::{adaptive, implicit};
+use super::implicit::layout::{self, continues};
 use crate::element::{Element, Law, Operating};
-use crate::{Method, Network, Segment, math};
+use crate::{Line, Method, Network, Segment, math};
 
 /// A method's buffers, read only.
 pub(crate) struct Observer<'v, 'n, E> {
@@ -26,9 +27,8 @@ impl<E: Element> Observer<'_, '_, E> {
     /// Gauge pressure of a node [Pa].
     pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
         let stride = match self.method {
-            Method::Euler | Method::Relaxation => 1,
             Method::Adaptive => adaptive::NODE_FIGURES,
-            Method::ImplicitEuler | Method::TrBdf2 => implicit::NODE_FIGURES,
+            _ => 1,
         };
         if node < self.network.nodes.len() {
             self.work.get(stride * node).copied().unwrap_or(f32::NAN)
@@ -50,15 +50,9 @@ impl<E: Element> Observer<'_, '_, E> {
         }
     }
 
-    /// Where an implicit method keeps its segments.
-    fn own_states(&self) -> usize {
-        Common::length(self.network) + 2 * self.network.nodes.len()
-    }
-
-    /// Flow and pressure of a segment of an implicit method.
-    fn own_state(&self, segment: usize) -> (f32, f32) {
-        let first = self.own_states() + 4 * segment;
-        (self.state_at(first), self.state_at(first + 2))
+    /// Flow of a reach of an implicit method at its last segment's inlet [kg/s].
+    fn own_flow(&self, segment: usize) -> f32 {
+        self.state_at(layout::first_flow(self.network) + segment)
     }
 
     fn is_implicit(&self) -> bool {
@@ -69,7 +63,12 @@ impl<E: Element> Observer<'_, '_, E> {
     pub(crate) fn line_flow_kg_s(&self, line: usize) -> f32 {
         let Some(description) = self.network.lines.get(line) else { return f32::NAN };
         if self.is_implicit() {
-            self.own_state((description.first_segment + description.flow_segment) as usize).0
+            let segment = (description.first_segment + description.flow_segment) as usize;
+            if continues(&self.network.plan, segment) {
+                self.segment_flow_kg_s(line, segment)
+            } else {
+                self.own_flow(segment)
+            }
         } else if self.method == Method::Adaptive {
             self.state_at(adaptive::State::line_at(self.network.nodes.len(), line))
         } else {
@@ -116,11 +115,7 @@ impl<E: Element> Observer<'_, '_, E> {
         let segments = self.network.segments_of(description);
         let mut pressure = self.node_gauge_pa(description.to as usize);
         if self.is_implicit() {
-            for index in (first..first + segments.len()).rev() {
-                let (flow, gauge) = self.own_state(index);
-                let last = index + 1 == first + segments.len();
-                each(index, flow, if last { pressure } else { gauge });
-            }
+            self.read_reaches(description, each);
             return;
         }
         let w = self.line_flow_kg_s(line);
@@ -145,6 +140,72 @@ impl<E: Element> Observer<'_, '_, E> {
             let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
             pressure += loss - law.head;
         }
+    }
+
+    /// Reads a line of an implicit method as [`Self::read_line`] does. Between segments without volume the pressure
+    /// follows from their laws, and where the flow changes, from their share of the inertance.
+    fn read_reaches(&self, line: &Line, mut each: impl FnMut(usize, f32, f32)) {
+        let (first, last) = (line.first_segment as usize, (line.first_segment + line.segments) as usize - 1);
+        let mut index = last + 1;
+        let mut behind = self.node_gauge_pa(line.to as usize);
+        while index > first {
+            index -= 1;
+            let w = self.own_flow(index);
+            each(index, w, behind);
+            let joined =
+                (first..index).rev().take_while(|&joint| continues(&self.network.plan, joint)).count();
+            let start = index - joined;
+            let before = if start == first {
+                self.node_gauge_pa(line.from as usize)
+            } else {
+                self.work.get(self.network.nodes.len() + start - 1).copied().unwrap_or(f32::NAN)
+            };
+            if joined > 0 {
+                self.read_joined(line, start..=index, w, before - behind, |segment, flow, above| {
+                    each(segment, flow, behind + above);
+                });
+            }
+            (index, behind) = (start, before);
+        }
+    }
+
+    /// Reads the segments of a reach ahead of its last: calls `each` with segment, its flow [kg/s] and the pressure at
+    /// its outlet over that behind the reach [Pa]. `drop` [Pa] is the pressure difference over the whole reach.
+    fn read_joined(
+        &self,
+        line: &Line,
+        reach: core::ops::RangeInclusive<usize>,
+        w: f32,
+        drop: f32,
+        mut each: impl FnMut(usize, f32, f32),
+    ) {
+        let last = *reach.end();
+        let laws = self.network.segments_of(line).iter().map(|segment| self.law(segment, w, 1.0).resistance);
+        let laminar = math::sqrt(line.laminar_below_pa / math::larger(laws.sum(), f32::MIN_POSITIVE));
+        // Calls with every segment from the last on: its flow, loss over head [Pa] and inertance [1/m] as felt.
+        let walk = |part: &mut dyn FnMut(usize, f32, f32, f32)| {
+            let mut ratio = 1.0;
+            for index in reach.clone().rev() {
+                let Some(segment) = self.network.segments.get(index) else { continue };
+                if index < last {
+                    ratio *= 1.0 + segment.element.removal();
+                }
+                let law = self.law(segment, w, ratio);
+                let flow = if w > 0.0 { ratio * w } else { w };
+                let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
+                part(index, flow, loss - law.head, ratio * segment.inertance_per_m);
+            }
+        };
+        let (mut losses, mut inertance) = (0.0, 0.0);
+        walk(&mut |_, _, loss, own| (losses, inertance) = (losses + loss, inertance + own));
+        let rate = if inertance > 0.0 { (drop - losses) / inertance } else { 0.0 };
+        let mut above = 0.0;
+        walk(&mut |index, flow, loss, own| {
+            if index < last {
+                each(index, flow, above);
+            }
+            above += loss + own * rate;
+        });
     }
 
     /// Law of a segment at its part of the line's flow `w` [kg/s].
@@ -188,19 +249,11 @@ impl<E: Element> Observer<'_, '_, E> {
         let Some(description) = self.network.lines.get(line).filter(|_| self.is_implicit()) else {
             return 0.0;
         };
-        let from = self.network.nodes.get(description.from as usize);
-        let (temperature, start) = from.map_or((0.0, 0.0), |node| (node.temperature_k, node.start_gauge_pa));
-        let first = description.first_segment as usize;
+        let (first, segments) = (description.first_segment as usize, self.network.segments.len());
         let last = first + description.segments as usize - 1;
+        let masses = layout::first_flow(self.network) + 2 * segments;
         let held = |segment: usize| {
-            let volume = self.network.segments.get(segment).map_or(0.0, |segment| segment.outlet_volume_m3);
-            let rise = self.sum_at(self.own_states() + 4 * segment + 2) - f64::from(start);
-            if volume > 0.0 {
-                rise * f64::from(volume)
-                    / (f64::from(crate::air::GAS_CONSTANT_J_KG_K) * f64::from(temperature))
-            } else {
-                0.0
-            }
+            f64::from(self.state_at(masses + segment)) - f64::from(self.state_at(masses + segments + segment))
         };
         (first..last).map(held).sum()
     }

@@ -93,7 +93,7 @@ impl<'n, E: Element> Problem<'n, E> {
                 island[node as usize] = index;
             }
         }
-        let tables = PlanTables::new(&nodes, network.lines);
+        let tables = PlanTables::new(&nodes, network.lines, network.segments);
         let capacity = network.nodes.iter().map(capacity).collect();
         let (span_pa, line_kg_s, node_kg_s) = scales(network, inputs);
         Self { network, inputs, islands, tables, capacity, island, span_pa, line_kg_s, node_kg_s }

@@ -37,10 +37,10 @@ pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1
 pub const ADAPTIVE: Sizes = Sizes { state: 10, work: 21, inputs: 6, cursors: 1 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 131, inputs: 6, cursors: 1 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 172, inputs: 6, cursors: 1 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 36, work: 131, inputs: 6, cursors: 1 };
+pub const TR_BDF2: Sizes = Sizes { state: 36, work: 172, inputs: 6, cursors: 1 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
@@ -129,7 +129,15 @@ static PLAN_DIAGONAL: [u32; 1] = [0];
 
 static PLAN_ROW_OF: [u32; 1] = [0];
 
+static PLAN_COMPOSITE: [u32; 1] = [0];
+
 static PLAN_STAMPS: [[u32; 4]; 1] = [[0, 4294967295, 4294967295, 0]];
+
+static PLAN_LEAVES: [[u32; 2]; 1] = [[4294967295, 4294967295]];
+
+static PLAN_TERMS: [[u32; 3]; 2] = [[12, 1, 4294967295], [15, 1, 4294967295]];
+
+static PLAN_BETWEEN: [[u32; 2]; 6] = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]];
 
 /// The description with the method and step of the file, for a step specialised at compile time.
 #[derive(Debug, Clone, Copy)]
@@ -155,6 +163,10 @@ impl ::eclss_core::Compiled for Configured {
             diagonal: &PLAN_DIAGONAL,
             stamps: &PLAN_STAMPS,
             row_of: &PLAN_ROW_OF,
+            leaves: &PLAN_LEAVES,
+            terms: &PLAN_TERMS,
+            composite: &PLAN_COMPOSITE,
+            between: &PLAN_BETWEEN,
         },
     };
     const SETTINGS: Settings = Settings { method: METHOD, step_us: STEP_US };

@@ -69,7 +69,7 @@ impl Drawn {
             drawn.line(dice, from, to, kinds);
         }
         drawn.inputs = drawn.drawn_inputs(dice);
-        drawn.plan = PlanTables::new(&drawn.nodes, &drawn.lines);
+        drawn.plan = PlanTables::new(&drawn.nodes, &drawn.lines, &drawn.segments);
         drawn
     }
 

@@ -1,144 +1,141 @@
-//! Sparse elimination on a pattern that was fixed when the network was built.
+//! Elimination of the nodes on a pattern that was fixed when the network was built.
 //!
-//! Row-wise LU without pivoting of a row-dominant M-matrix: the pattern decides the sequence of operations,
-//! the values do not. A row is scattered into a dense vector, reduced by the rows above it, and gathered back.
+//! Every row is the balance of a node: what it holds, e, and what it exchanges, a ≥ 0, with others,
+//!
+//! ```text
+//! (e + Σa)·δp − Σ a·δp_other = r
+//! ```
+//!
+//! Eliminating a neighbour k of share z_k = e_k/d_k and increment y_k adds a·z_k to e, a·y_k to r and a·u to the
+//! exchange with each later neighbour of k. The diagonal d = e + Σa is summed anew from what is left, so that nothing
+//! is ever subtracted and every figure keeps its relative precision (Grassmann, Taksar and Heyman 1985, for chains
+//! of states). There is no pivoting: the pattern decides the sequence of operations, the values do not.
+//!
+//! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
 
-use crate::Plan;
+use super::layout::{Work, at};
+use crate::{Network, Plan};
 
-/// The matrix and the vectors of its solution.
-pub(crate) struct Matrix<'w> {
-    /// Entries of L + U in the order of [`Plan::columns`].
-    pub(crate) entries: &'w mut [f32],
-    /// Right-hand side, then the solution, by row.
-    pub(crate) rhs: &'w mut [f32],
-    /// Reciprocals of the pivots.
-    pub(crate) reciprocal: &'w mut [f32],
-    /// One row, dense.
-    pub(crate) dense: &'w mut [f32],
+/// Turns the sign of what leaves at a line's inlet, the even ends.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one operation")]
+pub(crate) fn inward(value: f32, end: u32) -> f32 {
+    f32::from_bits(value.to_bits() ^ ((!end & 1) << 31))
 }
 
-impl Matrix<'_> {
-    /// Adds to an entry; [`Plan::NOWHERE`] is skipped.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "called four times a line and solve")]
-    pub(crate) fn add(&mut self, entry: u32, value: f32) {
-        if let Some(slot) = self.entries.get_mut(entry as usize) {
-            *slot += value;
+/// Factorises and solves: afterwards `delta` holds the increments of all nodes.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn solve<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
+    let plan = &network.plan;
+    branches(plan, work);
+    if plan.leaves.len() < plan.order.len() {
+        loops(plan, work);
+    }
+    back(plan, work);
+}
+
+/// What a row has before it is reduced: e and r, with the part of neighbours that are branches. Calls `later` with the
+/// port's conductance and the row of every neighbour that is not.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over rows")]
+fn gather(plan: &Plan<'_>, node: u32, work: &Work<'_>, mut later: impl FnMut(f32, u32)) -> [f32; 2] {
+    let mut sums = [at(work.excess, node), at(work.known, node)];
+    for &[end, by, row] in plan.terms_of(node) {
+        let [through, flow] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+        let [share, increment] = work.swept.get(by as usize).copied().unwrap_or([0.0; 2]);
+        sums[0] += through * share;
+        sums[1] += through * increment + inward(flow, end);
+        later(through, row);
+    }
+    sums
+}
+
+/// Eliminates the nodes that have one neighbour left, or none.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
+    for (row, (&node, &[port, _])) in plan.order.iter().zip(plan.leaves).enumerate() {
+        let [onward, _] = work.ports.get(port as usize).copied().unwrap_or([0.0; 2]);
+        let [held, known] = gather(plan, node, work, |_, _| ());
+        let reciprocal = 1.0 / (held + onward);
+        if let (Some(swept), Some(share)) = (work.swept.get_mut(node as usize), work.onward.get_mut(row)) {
+            *swept = [held * reciprocal, known * reciprocal];
+            *share = onward * reciprocal;
         }
     }
+}
 
-    /// Adds to a right-hand side; [`Plan::NOWHERE`] is skipped.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "called twice a line and solve")]
-    pub(crate) fn add_rhs(&mut self, row: u32, value: f32) {
-        if let Some(slot) = self.rhs.get_mut(row as usize) {
-            *slot += value;
-        }
-    }
-
-    /// Factorises and solves in place: afterwards `rhs` holds the solution by row.
-    pub(crate) fn solve(&mut self, plan: &Plan<'_>) {
-        let rows = plan.row_start.windows(2).zip(plan.diagonal);
-        for (row, (bounds, &diagonal)) in rows.enumerate() {
-            self.reduce(plan, row, bounds, diagonal as usize);
-        }
-        let rows = plan.row_start.windows(2).zip(plan.diagonal);
-        for (row, (bounds, &diagonal)) in rows.enumerate().rev() {
-            let upper = diagonal as usize + 1..bounds.last().copied().unwrap_or(0) as usize;
-            let (Some(columns), Some(entries)) = (plan.columns.get(upper.clone()), self.entries.get(upper))
-            else {
-                continue;
-            };
-            let mut value = self.rhs.get(row).copied().unwrap_or(0.0);
-            for (&column, &entry) in columns.iter().zip(entries) {
-                value -= entry * self.rhs.get(column as usize).copied().unwrap_or(0.0);
-            }
-            if let (Some(slot), Some(reciprocal)) = (self.rhs.get_mut(row), self.reciprocal.get(row)) {
-                *slot = value * reciprocal;
+/// Eliminates the other nodes.
+fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
+    for row in plan.leaves.len()..plan.order.len() {
+        let Some(&node) = plan.order.get(row) else { continue };
+        let (lower, upper) = plan.sides(row);
+        let columns = |range: core::ops::Range<usize>| plan.columns.get(range).unwrap_or(&[]);
+        for &column in columns(lower.start..upper.end) {
+            if let Some(slot) = work.dense.get_mut(column as usize) {
+                *slot = 0.0;
             }
         }
-    }
-
-    /// Reduces one row by all rows above it and its right-hand side with it.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "the body of the only loop over rows")]
-    fn reduce(&mut self, plan: &Plan<'_>, row: usize, bounds: &[u32], diagonal: usize) {
-        let &[first, past] = bounds else { return };
-        let range = first as usize..past as usize;
-        let (Some(columns), Some(entries)) = (plan.columns.get(range.clone()), self.entries.get_mut(range))
-        else {
-            return;
-        };
-        for (&column, &mut entry) in columns.iter().zip(entries) {
-            if let Some(slot) = self.dense.get_mut(column as usize) {
-                *slot = entry;
+        let mut dense = core::mem::take(&mut work.dense);
+        let [mut held, mut known] = gather(plan, node, work, |through, row| {
+            if let Some(slot) = dense.get_mut(row as usize) {
+                *slot += through;
             }
-        }
-        let mut value = self.rhs.get(row).copied().unwrap_or(0.0);
-        let lower = columns.get(..diagonal - first as usize).unwrap_or(&[]);
-        for &by in lower {
-            let by = by as usize;
-            let (Some(slot), Some(reciprocal)) = (self.dense.get_mut(by), self.reciprocal.get(by)) else {
+        });
+        for &by in columns(lower) {
+            let exchange = at(dense, by);
+            let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
+            let Some(&[share, increment]) = work.swept.get(of as usize) else { continue };
+            if (by as usize) < plan.leaves.len() {
                 continue;
-            };
-            let factor = *slot * reciprocal;
-            *slot = factor;
-            value -= factor * self.rhs.get(by).copied().unwrap_or(0.0);
-            let (Some(&above), Some(&end)) = (plan.diagonal.get(by), plan.row_start.get(by + 1)) else {
-                continue;
-            };
-            let upper = above as usize + 1..end as usize;
-            let (Some(columns), Some(entries)) = (plan.columns.get(upper.clone()), self.entries.get(upper))
-            else {
-                continue;
-            };
-            for (&column, &entry) in columns.iter().zip(entries) {
-                if let Some(slot) = self.dense.get_mut(column as usize) {
-                    *slot -= factor * entry;
+            }
+            held += exchange * share;
+            known += exchange * increment;
+            let (_, theirs) = plan.sides(by as usize);
+            let shares = work.entries.get(theirs.clone()).unwrap_or(&[]);
+            for (&column, share) in columns(theirs).iter().zip(shares) {
+                if let Some(slot) = dense.get_mut(column as usize) {
+                    *slot += exchange * share;
                 }
             }
         }
-        let range = first as usize..past as usize;
-        for (&column, entry) in columns.iter().zip(self.entries.get_mut(range).unwrap_or(&mut [])) {
-            *entry = self.dense.get(column as usize).copied().unwrap_or(0.0);
+        let exchanged: f32 = columns(upper.clone()).iter().map(|&column| at(dense, column)).sum();
+        let reciprocal = 1.0 / (held + exchanged);
+        let entries = work.entries.get_mut(upper.clone()).unwrap_or(&mut []);
+        for (&column, entry) in columns(upper).iter().zip(entries) {
+            *entry = at(dense, column) * reciprocal;
         }
-        let pivot = self.dense.get(row).copied().unwrap_or(1.0);
-        if let (Some(slot), Some(reciprocal)) = (self.rhs.get_mut(row), self.reciprocal.get_mut(row)) {
-            *slot = value;
-            *reciprocal = 1.0 / pivot;
+        if let Some(swept) = work.swept.get_mut(node as usize) {
+            *swept = [held * reciprocal, known * reciprocal];
         }
+        work.dense = core::mem::take(&mut dense);
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A ring of four with the full fill of its natural order, against the answer known by construction.
-    #[test]
-    fn solves_a_ring_with_fill() {
-        let plan = Plan {
-            row_start: &[0, 3, 7, 11, 15],
-            columns: &[0, 1, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3],
-            diagonal: &[0, 4, 9, 14],
-            ..Plan::EMPTY
-        };
-        let dense: [[f32; 4]; 4] =
-            [[4.0, -1.0, 0.0, -2.0], [-1.5, 5.0, -1.0, 0.0], [0.0, -2.0, 4.5, -1.0], [-1.0, 0.0, -1.0, 3.0]];
-        let solution = [1.0f32, -2.0, 0.5, 3.0];
-        let mut entries = [0.0f32; 15];
-        let mut rhs = [0.0f32; 4];
-        for row in 0..4 {
-            for entry in plan.row_start[row] as usize..plan.row_start[row + 1] as usize {
-                entries[entry] = dense[row][plan.columns[entry] as usize];
-            }
-            rhs[row] = (0..4).map(|column| dense[row][column] * solution[column]).sum();
+/// Substitutes from the last row to the first.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn back(plan: &Plan<'_>, work: &mut Work<'_>) {
+    for row in (plan.leaves.len()..plan.order.len()).rev() {
+        let Some(&node) = plan.order.get(row) else { continue };
+        let (_, upper) = plan.sides(row);
+        let shares = work.entries.get(upper.clone()).unwrap_or(&[]);
+        let mut sum = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        for (&column, share) in plan.columns.get(upper).unwrap_or(&[]).iter().zip(shares) {
+            let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
+            sum += share * at(work.delta, later);
         }
-        let mut matrix =
-            Matrix { entries: &mut entries, rhs: &mut rhs, reciprocal: &mut [0.0; 4], dense: &mut [0.0; 4] };
-        matrix.solve(&plan);
-        for (found, exact) in rhs.iter().zip(solution) {
-            assert!((found - exact).abs() < 1e-5, "{rhs:?}");
+        if let Some(delta) = work.delta.get_mut(node as usize) {
+            *delta = sum;
+        }
+    }
+    let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
+    for ((&node, &[_, later]), share) in rows.rev() {
+        let increment = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        let value = increment + share * at(work.delta, later);
+        if let Some(delta) = work.delta.get_mut(node as usize) {
+            *delta = value;
         }
     }
 }

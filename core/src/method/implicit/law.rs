@@ -1,0 +1,158 @@
+//! Laws of the stage: those that change are asked again, joined segments are summed, laminar flows follow.
+//!
+//! Segments with no volume between them carry one flow and are one reach: with m the ratio of a segment's flow to the
+//! reach's (more than 1 ahead of a drain, in forward flow), ΣI·m, ΣR·m², ΣL·m and Σf are the reach's law.
+
+use super::layout::{Work, at, continues, is_joined};
+use crate::element::{Element, Law, Operating};
+use crate::{Line, Network, Segment, math};
+
+/// Law of a segment at this flow [kg/s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn of<E: Element>(segment: &Segment<E>, inputs: &[f32], mass_flow_kg_s: f32) -> Law {
+    let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+    segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
+}
+
+/// Evaluates the laws that may have changed at the stage's inputs. `UNROLL` walks all segments, for a description
+/// known to the compiler.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn update<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    tau: f32,
+    inputs: &[f32],
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    if UNROLL {
+        for (index, segment) in network.segments.iter().enumerate() {
+            if segment.element.is_active() {
+                set(network, index, segment, inputs, flow, work);
+            }
+        }
+    } else {
+        for active in network.active {
+            let index = active.segment as usize;
+            if let Some(segment) = network.segments.get(index) {
+                set(network, index, segment, inputs, flow, work);
+            }
+        }
+    }
+    join(network, tau, inputs, flow, work);
+    if network.lines.iter().any(|line| line.laminar_below_pa > 0.0) {
+        for active in network.active {
+            if let Some(line) = network.lines.get(active.line as usize) {
+                set_laminar(line, work);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn set<E: Element>(
+    network: &Network<'_, E>,
+    index: usize,
+    segment: &Segment<E>,
+    inputs: &[f32],
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    if continues(&network.plan, index) || is_joined(&network.plan, index) {
+        return;
+    }
+    let law = of(segment, inputs, at(flow, index as u32) + at(work.first, index as u32));
+    write(index, [law.resistance, law.linear, law.head], work);
+    if let Some(own) = work.law.get_mut(index) {
+        *own = [law.resistance, law.linear, law.head];
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn write(index: usize, [resistance, linear, head]: [f32; 3], work: &mut Work<'_>) {
+    if let (Some(k), Some(l), Some(f)) =
+        (work.quadratic.get_mut(index), work.linear.get_mut(index), work.head.get_mut(index))
+    {
+        (*k, *l, *f) = (resistance, linear, head);
+    }
+}
+
+/// Sums every reach of several segments, in the direction in which it flows at the stage's start.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn join<E: Element>(
+    network: &Network<'_, E>,
+    tau: f32,
+    inputs: &[f32],
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    if work.merged.first().is_none_or(|merged| *merged <= 0.0) {
+        return;
+    }
+    let mut first = 0;
+    for (last, _) in network.segments.iter().enumerate() {
+        if continues(&network.plan, last) {
+            continue;
+        }
+        if first < last {
+            sum(
+                network,
+                tau,
+                inputs,
+                at(flow, last as u32) + at(work.first, last as u32),
+                first..=last,
+                work,
+            );
+        }
+        first = last + 1;
+    }
+}
+
+/// Sums one reach that flows at `w` [kg/s] behind it.
+fn sum<E: Element>(
+    network: &Network<'_, E>,
+    tau: f32,
+    inputs: &[f32],
+    w: f32,
+    reach: core::ops::RangeInclusive<usize>,
+    work: &mut Work<'_>,
+) {
+    let last = *reach.end();
+    let (mut ratio, mut inertia, mut sums) = (1.0, 0.0, [0.0f32; 3]);
+    for index in reach.rev() {
+        let (Some(segment), Some(own)) = (network.segments.get(index), work.law.get_mut(index)) else {
+            continue;
+        };
+        if index < last && w > 0.0 {
+            ratio *= 1.0 + segment.element.removal();
+        }
+        if segment.element.is_active() {
+            let law = of(segment, inputs, ratio * w);
+            *own = [law.resistance, law.linear, law.head];
+        }
+        let [resistance, linear, head] = *own;
+        inertia += ratio * (segment.inertance_per_m / tau);
+        sums = [sums[0] + ratio * ratio * resistance, sums[1] + ratio * linear, sums[2] + head];
+    }
+    write(last, sums, work);
+    if let Some(own) = work.inertia.get_mut(last) {
+        *own = inertia;
+    }
+}
+
+/// Flow below which all segments of a line are linear, from the line's whole resistance.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn set_laminar(line: &Line, work: &mut Work<'_>) {
+    if line.laminar_below_pa > 0.0 {
+        let range = super::range(line);
+        let laws = work.law.get(range.clone()).unwrap_or(&[]);
+        let resistance: f32 = laws.iter().map(|[resistance, ..]| *resistance).sum();
+        let laminar = math::sqrt(line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
+        work.laminar.get_mut(range).unwrap_or(&mut []).fill(laminar);
+    }
+}

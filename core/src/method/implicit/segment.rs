@@ -1,0 +1,273 @@
+//! One pass over all segments: linearisation of their momentum around the present iterate.
+//!
+//! ```text
+//! δw = q + b·(δp_before − δp_behind)      b = 1/(I/τ + slope)
+//! ```
+//!
+//! Every pass walks plain columns of figures from one end to the other, so that a host takes several at once.
+
+use super::law;
+use super::layout::{self, Port, at};
+use super::{CARRY_OVER, EXPECTED_DRIVE_PA};
+use crate::element::Element;
+use crate::{Network, math};
+
+/// Momentum law of a reach in one stage: I/τ, R, L, laminar flow, and whether its slope needs the guard.
+#[derive(Clone, Copy)]
+struct Momentum {
+    inertia: f32,
+    quadratic: f32,
+    linear: f32,
+    laminar: f32,
+    guarded: bool,
+}
+
+impl Momentum {
+    /// Pressure loss at flow `w`, linear below the laminar flow [Pa].
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn loss(self, w: f32) -> f32 {
+        self.quadratic * w * self.at_least(w.abs(), self.laminar) + self.linear * w
+    }
+
+    /// The larger of the two, where there is a laminar range at all.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn at_least(self, size: f32, laminar: f32) -> f32 {
+        if self.laminar > 0.0 { math::larger(size, laminar) } else { size }
+    }
+
+    /// b and q around the increment `dw` of flow `w` when `pushed` [Pa] and pressure increments that differ by
+    /// `differ` [Pa] act.
+    ///
+    /// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the
+    /// slope is taken at the larger of the present flow and of the flow that the present pressures would drive.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn linearise(self, w: f32, dw: f32, pushed: f32, differ: f32) -> (f32, f32) {
+        let present = w + dw;
+        let mut size = self.at_least(present.abs(), 0.5 * self.laminar);
+        if self.guarded {
+            let total = (pushed + differ + self.inertia * w).abs();
+            let resisting = self.inertia + self.linear;
+            let root = math::sqrt(resisting * resisting + 4.0 * self.quadratic * total);
+            // Nothing drives and nothing resists: 0/0, for which the present flow stands.
+            size = math::larger(2.0 * total / (resisting + root), size);
+        }
+        let slope = 2.0 * self.quadratic * size + self.linear;
+        let b = 1.0 / (self.inertia + slope);
+        (b, b * ((pushed - self.loss(present)) + slope * dw))
+    }
+}
+
+/// What a step that is specialised knows of every segment.
+#[derive(Clone, Copy)]
+struct Known {
+    /// The law has no linear part.
+    quadratic: bool,
+    /// No line has a laminar range.
+    turbulent: bool,
+    /// The slope needs no guard.
+    free: bool,
+}
+
+/// Whether the slope of a reach needs its guard: its law changes, and may become as stiff as it likes within one
+/// step, or the expected pressure would drive its flow against friction rather than against inertance.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn needs_guard(active: bool, inertia: f32, quadratic: f32) -> bool {
+    active || inertia * inertia < 4.0 * quadratic * EXPECTED_DRIVE_PA
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn known<E: Element, const UNROLL: bool>(network: &Network<'_, E>, tau: f32, index: usize) -> Known {
+    if !UNROLL || layout::is_joined(&network.plan, index) {
+        return Known { quadratic: false, turbulent: false, free: false };
+    }
+    let turbulent = network.lines.iter().all(|line| line.laminar_below_pa <= 0.0);
+    let Some(segment) = network.segments.get(index) else {
+        return Known { quadratic: false, turbulent, free: false };
+    };
+    let active = segment.element.is_active();
+    let resistance = if active { 0.0 } else { law::of(segment, &[], 0.0).resistance };
+    let free = !needs_guard(active, segment.inertance_per_m / tau, resistance);
+    Known { quadratic: !active, turbulent, free }
+}
+
+impl Known {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn momentum(self, [inertia, quadratic, linear, laminar, guarded]: [f32; 5]) -> Momentum {
+        Momentum {
+            inertia,
+            quadratic,
+            linear: if self.quadratic { 0.0 } else { linear },
+            laminar: if self.turbulent { 0.0 } else { laminar },
+            guarded: !self.free && guarded > 0.0,
+        }
+    }
+}
+
+/// Differences between the two points of every segment.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn differences<E>(network: &Network<'_, E>, points: &[f32], out: &mut [f32]) {
+    for (out, [before, behind]) in out.iter_mut().zip(network.plan.between) {
+        *out = at(points, *before) - at(points, *behind);
+    }
+}
+
+/// Columns that a pass reads: I/τ, R, L, laminar flow, guard, head, and the flow at the step's start.
+#[derive(Clone, Copy)]
+pub(crate) struct Columns<'c> {
+    pub(crate) inertia: &'c [f32],
+    pub(crate) quadratic: &'c [f32],
+    pub(crate) linear: &'c [f32],
+    pub(crate) laminar: &'c [f32],
+    pub(crate) guarded: &'c [f32],
+    pub(crate) head: &'c [f32],
+    pub(crate) flow: &'c [f32],
+}
+
+/// One segment's figures from the columns, in their order.
+type Row = ([f32; 5], f32, f32);
+
+impl<'c> Columns<'c> {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn rows(self) -> impl Iterator<Item = Row> + use<'c> {
+        let inner = self.inertia.iter().zip(self.quadratic).zip(self.linear);
+        let outer = self.laminar.iter().zip(self.guarded).zip(self.head.iter().zip(self.flow));
+        inner.zip(outer).map(|(((i, k), l), ((laminar, guarded), (head, flow)))| {
+            ([*i, *k, *l, *laminar, *guarded], *head, *flow)
+        })
+    }
+}
+
+/// A description with the stage's length τ [s], and whether the compiler knows it.
+pub(crate) struct Model<'n, 'd, E, const UNROLL: bool> {
+    pub(crate) network: &'n Network<'d, E>,
+    pub(crate) tau: f32,
+}
+
+impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn momentum(&self, index: usize, figures: [f32; 5]) -> Momentum {
+        known::<E, UNROLL>(self.network, self.tau, index).momentum(figures)
+    }
+
+    /// Known parts of the trapezoidal stage's momentum without head: the pressure difference `drop` of the step's
+    /// start and the rate of change there. Where nothing is inert there is no rate.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn rates(&self, columns: Columns<'_>, drop: &[f32], momentum: &mut [f32]) {
+        for (index, (((figures, head, w), drop), momentum)) in
+            columns.rows().zip(drop).zip(momentum).enumerate()
+        {
+            let law = self.momentum(index, figures);
+            let rate = (drop + head) - law.loss(w);
+            *momentum = drop + if law.inertia > 0.0 { rate } else { 0.0 };
+        }
+    }
+
+    /// Linearises around the stage's start, whose head completes the known part of the momentum. `carry` is the
+    /// share of the step's first flow that is counted on top: 1 in a trapezoidal stage.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn begin(
+        &self,
+        columns: Columns<'_>,
+        carry: bool,
+        [differ, first]: [&[f32]; 2],
+        momentum: &mut [f32],
+        q: &mut [f32],
+        ports: &mut [Port],
+    ) {
+        let iterate = differ.iter().zip(first);
+        let out = momentum.iter_mut().zip(q).zip(ports);
+        for (index, (((figures, head, w), (differ, first)), ((momentum, q), port))) in
+            columns.rows().zip(iterate).zip(out).enumerate()
+        {
+            let pushed = *momentum + head;
+            *momentum = pushed;
+            let (b, fresh) = self.momentum(index, figures).linearise(w, *first, pushed, *differ);
+            *q = fresh;
+            *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
+        }
+    }
+
+    /// Linearises around the increments that the last solution gave.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn again(
+        &self,
+        columns: Columns<'_>,
+        carry: bool,
+        [differ, momentum]: [&[f32]; 2],
+        q: &mut [f32],
+        ports: &mut [Port],
+    ) {
+        let known = differ.iter().zip(momentum);
+        for (index, (((figures, _, w), (differ, pushed)), (q, port))) in
+            columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate()
+        {
+            let dw = *q + port[0] * differ;
+            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *pushed, *differ);
+            *q = fresh;
+            *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
+        }
+    }
+}
+
+/// Known parts of the BDF2 stage's momentum without head: the pressure difference of the step's start and a share of
+/// the first stage's increments, which are kept.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn carry_over(
+    [inertia, drop, differ, q]: [&[f32]; 4],
+    ports: &[Port],
+    momentum: &mut [f32],
+    first: &mut [f32],
+) {
+    let known = inertia.iter().zip(drop).zip(differ.iter().zip(q)).zip(ports);
+    for ((((inertia, drop), (differ, q)), [b, _]), (momentum, first)) in
+        known.zip(momentum.iter_mut().zip(first))
+    {
+        let dw = q + b * differ;
+        *first = dw;
+        *momentum = drop + CARRY_OVER * inertia * dw;
+    }
+}
+
+/// Turns `q` into the step's increments and writes the mass that passes every port of its own [kg] by mean flows.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn pass(
+    h: f32,
+    weights: [f32; 2],
+    [differ, first, flow]: [&[f32]; 3],
+    ports: &[Port],
+    q: &mut [f32],
+    passed: &mut [f32],
+) {
+    let known = differ.iter().zip(first).zip(flow).zip(ports);
+    for ((((differ, first), flow), [b, _]), (q, passed)) in known.zip(q.iter_mut().zip(passed)) {
+        let dw = *q + b * differ;
+        *q = dw;
+        *passed = h * (flow + (weights[0] * first + weights[1] * dw));
+    }
+}
+
+/// Takes the increments over into the flows. Returns whether one left its range.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn take_over(increments: &[f32], flow: &mut [f32], carry: &mut [f32], limit: f32) -> bool {
+    let mut beyond = 0;
+    for (dw, (flow, carry)) in increments.iter().zip(flow.iter_mut().zip(carry)) {
+        math::compensated_add(flow, carry, *dw);
+        beyond |= u32::from(math::beyond(*flow, limit));
+    }
+    beyond != 0
+}
