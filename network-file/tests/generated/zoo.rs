@@ -37,10 +37,10 @@ pub const RELAXATION: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 
 pub const ADAPTIVE: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 218, inputs: 12, cursors: 2 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 84, work: 218, inputs: 12, cursors: 2 };
+pub const TR_BDF2: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
@@ -159,7 +159,15 @@ static PLAN_DIAGONAL: [u32; 2] = [0, 3];
 
 static PLAN_ROW_OF: [u32; 4] = [0, 1, 4294967295, 4294967295];
 
+static PLAN_COMPOSITE: [u32; 3] = [0, 1, 2];
+
 static PLAN_STAMPS: [[u32; 4]; 4] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3]];
+
+static PLAN_LEAVES: [[u32; 2]; 0] = [];
+
+static PLAN_TERMS: [[u32; 3]; 8] = [[18, 4, 1], [25, 4, 1], [29, 2, 4294967295], [21, 4, 0], [22, 4, 0], [17, 3, 4294967295], [26, 4, 0], [16, 4, 1]];
+
+static PLAN_BETWEEN: [[u32; 2]; 9] = [[0, 4], [4, 5], [5, 6], [6, 1], [4294967295, 4294967295], [1, 0], [4294967295, 4294967295], [2, 0], [3, 1]];
 
 /// The description with the method and step of the file, for a step specialised at compile time.
 #[derive(Debug, Clone, Copy)]
@@ -185,6 +193,10 @@ impl ::eclss_core::Compiled for Configured {
             diagonal: &PLAN_DIAGONAL,
             stamps: &PLAN_STAMPS,
             row_of: &PLAN_ROW_OF,
+            leaves: &PLAN_LEAVES,
+            terms: &PLAN_TERMS,
+            composite: &PLAN_COMPOSITE,
+            between: &PLAN_BETWEEN,
         },
     };
     const SETTINGS: Settings = Settings { method: METHOD, step_us: STEP_US };
