@@ -12,6 +12,32 @@ use super::{CARRY_OVER, EXPECTED_DRIVE_PA};
 use crate::element::Element;
 use crate::{Network, math};
 
+/// A loop that is written out for a description known to the compiler, which then sees every turn by itself, and left
+/// as it is for any other, where the compiler takes several segments at once.
+macro_rules! every {
+    ($unroll:expr, $rows:expr, $row:pat => $body:block) => {{
+        let mut rows = $rows;
+        if $unroll {
+            loop {
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+                every!(@turn rows, $row => $body);
+            }
+        } else {
+            for $row in rows $body
+        }
+    }};
+    (@turn $rows:ident, $row:pat => $body:block) => {
+        let Some($row) = $rows.next() else { break };
+        $body
+    };
+}
+
 /// Momentum law of a reach in one stage: I/τ, R, L, laminar flow, and whether its slope needs the guard.
 #[derive(Clone, Copy)]
 struct Momentum {
@@ -163,13 +189,12 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
     pub(crate) fn rates(&self, columns: Columns<'_>, drop: &[f32], momentum: &mut [f32]) {
-        for (index, (((figures, head, w), drop), momentum)) in
-            columns.rows().zip(drop).zip(momentum).enumerate()
-        {
+        let rows = columns.rows().zip(drop).zip(momentum).enumerate();
+        every!(UNROLL, rows, (index, (((figures, head, w), drop), momentum)) => {
             let law = self.momentum(index, figures);
             let rate = (drop + head) - law.loss(w);
             *momentum = drop + if law.inertia > 0.0 { rate } else { 0.0 };
-        }
+        });
     }
 
     /// Linearises around the stage's start, whose head completes the known part of the momentum. `carry` is the
@@ -187,15 +212,14 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
     ) {
         let iterate = differ.iter().zip(first);
         let out = momentum.iter_mut().zip(q).zip(ports);
-        for (index, (((figures, head, w), (differ, first)), ((momentum, q), port))) in
-            columns.rows().zip(iterate).zip(out).enumerate()
-        {
+        let rows = columns.rows().zip(iterate).zip(out).enumerate();
+        every!(UNROLL, rows, (index, (((figures, head, w), (differ, first)), ((momentum, q), port))) => {
             let pushed = *momentum + head;
             *momentum = pushed;
             let (b, fresh) = self.momentum(index, figures).linearise(w, *first, pushed, *differ);
             *q = fresh;
             *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
-        }
+        });
     }
 
     /// Linearises around the increments that the last solution gave.
@@ -210,14 +234,13 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
         ports: &mut [Port],
     ) {
         let known = differ.iter().zip(momentum);
-        for (index, (((figures, _, w), (differ, pushed)), (q, port))) in
-            columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate()
-        {
+        let rows = columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate();
+        every!(UNROLL, rows, (index, (((figures, _, w), (differ, pushed)), (q, port))) => {
             let dw = *q + port[0] * differ;
             let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *pushed, *differ);
             *q = fresh;
             *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
-        }
+        });
     }
 }
 
