@@ -172,7 +172,6 @@ macro_rules! columns {
             linear: &*$work.linear,
             laminar: &*$work.laminar,
             guarded: &*$work.guarded,
-            head: &*$work.head,
             flow: &*$flow,
         }
     };
@@ -193,18 +192,15 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let (state, work) = (&mut state, &mut work);
     let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
     segment::differences(network, work.pressure, work.drop);
-    work.delta.fill(0.0);
-    work.differ.fill(0.0);
+    work.first.fill(0.0);
     let weights = if method == Method::TrBdf2 {
-        work.first.fill(0.0);
         law::update::<E, UNROLL>(network, model.tau, inputs.start, state.flow, work);
-        model.rates(columns!(work, state.flow), work.drop, work.momentum);
+        model.rates(columns!(work, state.flow), [work.head, work.drop], work.momentum);
         law::update::<E, UNROLL>(network, model.tau, inputs.middle, state.flow, work);
         known_at_start(network, state.flow, work);
-        begin(model, true, state.flow, work);
-        solve(network, state.flow, work);
-        again(model, true, state.flow, work);
-        solve(network, state.flow, work);
+        segment::push(work.head, work.momentum);
+        solve::<E, UNROLL, true, true>(model, state.flow, work);
+        solve::<E, UNROLL, false, true>(model, state.flow, work);
 
         segment::carry_over(
             [work.inertia, work.drop, work.differ, work.q],
@@ -219,48 +215,20 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         }
         line::carry_over(network, work);
         law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
-        begin(model, false, state.flow, work);
-        solve(network, state.flow, work);
-        again(model, false, state.flow, work);
-        solve(network, state.flow, work);
+        segment::push(work.head, work.momentum);
+        solve::<E, UNROLL, false, false>(model, state.flow, work);
+        solve::<E, UNROLL, false, false>(model, state.flow, work);
         [MEAN, TAU]
     } else {
-        work.first.fill(0.0);
         work.known.fill(0.0);
         law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
         work.momentum.copy_from_slice(work.drop);
-        begin(model, false, state.flow, work);
-        solve(network, state.flow, work);
+        segment::push(work.head, work.momentum);
+        solve::<E, UNROLL, true, false>(model, state.flow, work);
         [0.0, 1.0]
     };
     let place = commit(network, h, weights, state, work);
     (Margin::by_construction(1.0), place)
-}
-
-/// Linearises all segments at a stage's start.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn begin<E: Element, const UNROLL: bool>(
-    model: &Model<'_, '_, E, UNROLL>,
-    carry: bool,
-    flow: &[f32],
-    work: &mut Work<'_>,
-) {
-    let columns = columns!(work, flow);
-    model.begin(columns, carry, [work.differ, work.first], work.momentum, work.q, work.ports);
-}
-
-/// Linearises all segments at the last solution.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn again<E: Element, const UNROLL: bool>(
-    model: &Model<'_, '_, E, UNROLL>,
-    carry: bool,
-    flow: &[f32],
-    work: &mut Work<'_>,
-) {
-    let columns = columns!(work, flow);
-    model.again(columns, carry, [work.differ, work.momentum], work.q, work.ports);
 }
 
 /// Known parts of the node balances in the trapezoidal stage. The flows of the step's start are counted with those
@@ -291,12 +259,19 @@ fn known_at_start<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut
     }
 }
 
-/// One Newton iteration: the lines' interiors are eliminated, the nodes solved, the lines filled in.
+/// One Newton iteration: all segments are linearised, the lines' interiors eliminated, the nodes solved, the lines
+/// filled in. The first of a step starts from rest.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn solve<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+fn solve<E: Element, const UNROLL: bool, const START: bool, const CARRY: bool>(
+    model: &Model<'_, '_, E, UNROLL>,
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    let (network, columns) = (model.network, columns!(work, flow));
+    model.linearise::<START, CARRY>(columns, [work.differ, work.momentum], work.q, work.ports);
     line::sweep(network, flow, work);
-    matrix::solve(network, work);
+    matrix::solve::<E, UNROLL>(network, work);
     line::substitute(network, work);
     segment::differences(network, work.delta, work.differ);
 }

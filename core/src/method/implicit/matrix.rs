@@ -13,7 +13,7 @@
 //!
 //! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
 
-use super::layout::{Work, at};
+use super::layout::{Port, Work, at};
 use crate::{Network, Plan};
 
 /// Turns the sign of what leaves at a line's inlet, the even ends.
@@ -26,12 +26,32 @@ pub(crate) fn inward(value: f32, end: u32) -> f32 {
 /// Factorises and solves: afterwards `delta` holds the increments of all nodes.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn solve<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
+pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let plan = &network.plan;
-    branches(plan, work);
+    if UNROLL {
+        branches(plan, work);
+    } else {
+        branches_apart(plan, work);
+    }
     if plan.leaves.len() < plan.order.len() {
         loops(plan, work);
     }
+    if UNROLL {
+        back(plan, work);
+    } else {
+        back_apart(plan, work);
+    }
+}
+
+/// A function of its own, whose loop then has the processor's registers for itself.
+#[inline(never)]
+fn branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    branches(plan, work);
+}
+
+/// Like [`branches_apart`].
+#[inline(never)]
+fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     back(plan, work);
 }
 
@@ -39,29 +59,36 @@ pub(crate) fn solve<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
 /// port's conductance and the row of every neighbour that is not.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
-fn gather(plan: &Plan<'_>, node: u32, work: &Work<'_>, mut later: impl FnMut(f32, u32)) -> [f32; 2] {
-    let mut sums = [at(work.excess, node), at(work.known, node)];
-    for &[end, by, row] in plan.terms_of(node) {
-        let [through, flow] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-        let [share, increment] = work.swept.get(by as usize).copied().unwrap_or([0.0; 2]);
-        sums[0] += through * share;
-        sums[1] += through * increment + inward(flow, end);
+fn gather(
+    terms: &[[u32; 3]],
+    [mut held, mut known]: [f32; 2],
+    ports: &[Port],
+    swept: &[[f32; 2]],
+    mut later: impl FnMut(f32, u32),
+) -> [f32; 2] {
+    for &[end, by, row] in terms {
+        let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+        let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
+        held += through * share;
+        known += through * increment + inward(flow, end);
         later(through, row);
     }
-    sums
+    [held, known]
 }
 
 /// Eliminates the nodes that have one neighbour left, or none.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
-    for (row, (&node, &[port, _])) in plan.order.iter().zip(plan.leaves).enumerate() {
-        let [onward, _] = work.ports.get(port as usize).copied().unwrap_or([0.0; 2]);
-        let [held, known] = gather(plan, node, work, |_, _| ());
+    let (ports, swept) = (&*work.ports, &mut *work.swept);
+    for ((&node, &[port, _]), share) in plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut()) {
+        let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
+        let sums = [at(work.excess, node), at(work.known, node)];
+        let [held, known] = gather(plan.terms_of(node), sums, ports, swept, |_, _| ());
         let reciprocal = 1.0 / (held + onward);
-        if let (Some(swept), Some(share)) = (work.swept.get_mut(node as usize), work.onward.get_mut(row)) {
+        *share = onward * reciprocal;
+        if let Some(swept) = swept.get_mut(node as usize) {
             *swept = [held * reciprocal, known * reciprocal];
-            *share = onward * reciprocal;
         }
     }
 }
@@ -78,7 +105,8 @@ fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
             }
         }
         let mut dense = core::mem::take(&mut work.dense);
-        let [mut held, mut known] = gather(plan, node, work, |through, row| {
+        let sums = [at(work.excess, node), at(work.known, node)];
+        let [mut held, mut known] = gather(plan.terms_of(node), sums, work.ports, work.swept, |through, row| {
             if let Some(slot) = dense.get_mut(row as usize) {
                 *slot += through;
             }

@@ -144,7 +144,7 @@ pub(crate) fn differences<E>(network: &Network<'_, E>, points: &[f32], out: &mut
     }
 }
 
-/// Columns that a pass reads: I/τ, R, L, laminar flow, guard, head, and the flow at the step's start.
+/// Columns that a pass reads: I/τ, R, L, laminar flow, guard, and the flow at the step's start.
 #[derive(Clone, Copy)]
 pub(crate) struct Columns<'c> {
     pub(crate) inertia: &'c [f32],
@@ -152,21 +152,20 @@ pub(crate) struct Columns<'c> {
     pub(crate) linear: &'c [f32],
     pub(crate) laminar: &'c [f32],
     pub(crate) guarded: &'c [f32],
-    pub(crate) head: &'c [f32],
     pub(crate) flow: &'c [f32],
 }
 
 /// One segment's figures from the columns, in their order.
-type Row = ([f32; 5], f32, f32);
+type Row = ([f32; 5], f32);
 
 impl<'c> Columns<'c> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
     fn rows(self) -> impl Iterator<Item = Row> + use<'c> {
         let inner = self.inertia.iter().zip(self.quadratic).zip(self.linear);
-        let outer = self.laminar.iter().zip(self.guarded).zip(self.head.iter().zip(self.flow));
-        inner.zip(outer).map(|(((i, k), l), ((laminar, guarded), (head, flow)))| {
-            ([*i, *k, *l, *laminar, *guarded], *head, *flow)
+        let outer = self.laminar.iter().zip(self.guarded).zip(self.flow);
+        inner.zip(outer).map(|(((i, k), l), ((laminar, guarded), flow))| {
+            ([*i, *k, *l, *laminar, *guarded], *flow)
         })
     }
 }
@@ -188,59 +187,71 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
     /// start and the rate of change there. Where nothing is inert there is no rate.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn rates(&self, columns: Columns<'_>, drop: &[f32], momentum: &mut [f32]) {
-        let rows = columns.rows().zip(drop).zip(momentum).enumerate();
-        every!(UNROLL, rows, (index, (((figures, head, w), drop), momentum)) => {
+    pub(crate) fn rates(&self, columns: Columns<'_>, [head, drop]: [&[f32]; 2], momentum: &mut [f32]) {
+        let rows = columns.rows().zip(head.iter().zip(drop)).zip(momentum).enumerate();
+        every!(UNROLL, rows, (index, (((figures, w), (head, drop)), momentum)) => {
             let law = self.momentum(index, figures);
             let rate = (drop + head) - law.loss(w);
             *momentum = drop + if law.inertia > 0.0 { rate } else { 0.0 };
         });
     }
 
-    /// Linearises around the stage's start, whose head completes the known part of the momentum. `carry` is the
-    /// share of the step's first flow that is counted on top: 1 in a trapezoidal stage.
+    /// Linearises around the increments that the last solution gave, or around rest at the step's `start`. `carry`
+    /// tells whether the step's first flow is counted on top, as it is in a trapezoidal stage.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn begin(
+    pub(crate) fn linearise<const START: bool, const CARRY: bool>(
         &self,
         columns: Columns<'_>,
-        carry: bool,
-        [differ, first]: [&[f32]; 2],
-        momentum: &mut [f32],
+        [differ, momentum]: [&[f32]; 2],
         q: &mut [f32],
         ports: &mut [Port],
     ) {
-        let iterate = differ.iter().zip(first);
-        let out = momentum.iter_mut().zip(q).zip(ports);
-        let rows = columns.rows().zip(iterate).zip(out).enumerate();
-        every!(UNROLL, rows, (index, (((figures, head, w), (differ, first)), ((momentum, q), port))) => {
-            let pushed = *momentum + head;
-            *momentum = pushed;
-            let (b, fresh) = self.momentum(index, figures).linearise(w, *first, pushed, *differ);
-            *q = fresh;
-            *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
-        });
+        if UNROLL {
+            self.linearise_all::<START, CARRY>(columns, [differ, momentum], q, ports);
+        } else {
+            self.linearise_apart::<START, CARRY>(columns, [differ, momentum], q, ports);
+        }
     }
 
-    /// Linearises around the increments that the last solution gave.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn again(
+    /// A function of its own, whose loop then has the processor's registers for itself.
+    #[inline(never)]
+    fn linearise_apart<const START: bool, const CARRY: bool>(
         &self,
         columns: Columns<'_>,
-        carry: bool,
+        known: [&[f32]; 2],
+        q: &mut [f32],
+        ports: &mut [Port],
+    ) {
+        self.linearise_all::<START, CARRY>(columns, known, q, ports);
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn linearise_all<const START: bool, const CARRY: bool>(
+        &self,
+        columns: Columns<'_>,
         [differ, momentum]: [&[f32]; 2],
         q: &mut [f32],
         ports: &mut [Port],
     ) {
         let known = differ.iter().zip(momentum);
         let rows = columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate();
-        every!(UNROLL, rows, (index, (((figures, _, w), (differ, pushed)), (q, port))) => {
-            let dw = *q + port[0] * differ;
-            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *pushed, *differ);
+        every!(UNROLL, rows, (index, (((figures, w), (differ, pushed)), (q, port))) => {
+            let (dw, differ) = if START { (0.0, 0.0) } else { (*q + port[0] * differ, *differ) };
+            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *pushed, differ);
             *q = fresh;
-            *port = [b, if carry { w + (w + fresh) } else { w + fresh }];
+            *port = [b, if CARRY { w + (w + fresh) } else { w + fresh }];
         });
+    }
+}
+
+/// Completes the known parts of the momentum by the head of the stage.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn push(head: &[f32], momentum: &mut [f32]) {
+    for (momentum, head) in momentum.iter_mut().zip(head) {
+        *momentum += head;
     }
 }
 
