@@ -104,6 +104,9 @@ pub(crate) fn start<E: Element>(
                 *slot = value;
             }
         }
+        if let (NodeKind::Junction, Some(junctions)) = (node.kind, work.junctions.first_mut()) {
+            *junctions = 1.0;
+        }
         // A held pressure holds all of itself.
         if let Some(swept) = work.swept.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
             *swept = [1.0, 0.0];
@@ -152,7 +155,7 @@ pub(crate) fn start<E: Element>(
         }
         law::set_laminar(line, &mut work);
     }
-    law::join(network, tau, inputs, state.flow, &mut work);
+    law::join::<E, false>(network, tau, inputs, state.flow, &mut work);
 }
 
 /// Inputs at the step's start, at the inner stage and at the step's end.
@@ -192,12 +195,11 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let (state, work) = (&mut state, &mut work);
     let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
     segment::differences(network, work.pressure, work.drop);
-    work.first.fill(0.0);
     let weights = if method == Method::TrBdf2 {
-        law::update::<E, UNROLL>(network, model.tau, inputs.start, state.flow, work);
+        law::update::<E, UNROLL, false>(network, model.tau, inputs.start, state.flow, work);
         model.rates(columns!(work, state.flow), [work.head, work.drop], work.momentum);
-        law::update::<E, UNROLL>(network, model.tau, inputs.middle, state.flow, work);
-        known_at_start(network, state.flow, work);
+        law::update::<E, UNROLL, false>(network, model.tau, inputs.middle, state.flow, work);
+        known_at_start::<E, UNROLL>(network, state.flow, work);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, true, true>(model, state.flow, work);
         solve::<E, UNROLL, false, true>(model, state.flow, work);
@@ -214,20 +216,20 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             *known = CARRY_OVER * capacity * delta;
         }
         line::carry_over(network, work);
-        law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
+        law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
         [MEAN, TAU]
     } else {
         work.known.fill(0.0);
-        law::update::<E, UNROLL>(network, model.tau, inputs.end, state.flow, work);
+        law::update::<E, UNROLL, false>(network, model.tau, inputs.end, state.flow, work);
         work.momentum.copy_from_slice(work.drop);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, true, false>(model, state.flow, work);
         [0.0, 1.0]
     };
-    let place = commit(network, h, weights, state, work);
+    let place = commit::<E, UNROLL>(network, h, weights, state, work);
     (Margin::by_construction(1.0), place)
 }
 
@@ -235,32 +237,27 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
 /// of the stage; where nothing is stored they are taken off again.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn known_at_start<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
-    for [_, _, known, ..] in work.joints.iter_mut() {
-        *known = 0.0;
+fn known_at_start<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    line::forget(network, work);
+    work.known.fill(0.0);
+    if !UNROLL && work.junctions.first().is_none_or(|some| *some <= 0.0) {
+        return;
     }
     for ((index, node), known) in (0u32..).zip(network.nodes).zip(work.known.iter_mut()) {
-        *known = 0.0;
         if node.kind == NodeKind::Junction {
             for &[end, ..] in network.plan.terms_of(index) {
-                let (port, segments) = ((end / 2) as usize, network.segments.len());
-                let w = match port.checked_sub(segments) {
-                    None => at(flow, end / 2),
-                    Some(place) => {
-                        let line = network.plan.composite.get(place / 2);
-                        let line = line.and_then(|&line| network.lines.get(line as usize));
-                        let [inlet, outlet] = line.map_or([0.0; 2], |line| line::flows(network, line, flow));
-                        if end % 2 == 0 { inlet } else { outlet }
-                    }
-                };
-                *known -= matrix::inward(w, end);
+                *known -= matrix::inward(line::port_flow(network, end, flow), end);
             }
         }
     }
 }
 
 /// One Newton iteration: all segments are linearised, the lines' interiors eliminated, the nodes solved, the lines
-/// filled in. The first of a step starts from rest.
+/// filled in. The first of a step starts from rest; those of a trapezoidal stage count the step's first flow too.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn solve<E: Element, const UNROLL: bool, const START: bool, const CARRY: bool>(
@@ -270,7 +267,7 @@ fn solve<E: Element, const UNROLL: bool, const START: bool, const CARRY: bool>(
 ) {
     let (network, columns) = (model.network, columns!(work, flow));
     model.linearise::<START, CARRY>(columns, [work.differ, work.momentum], work.q, work.ports);
-    line::sweep(network, flow, work);
+    line::sweep::<E, CARRY>(network, flow, work);
     matrix::solve::<E, UNROLL>(network, work);
     line::substitute(network, work);
     segment::differences(network, work.delta, work.differ);
@@ -279,7 +276,7 @@ fn solve<E: Element, const UNROLL: bool, const START: bool, const CARRY: bool>(
 /// Moves masses by the mean flows of the step and takes the last stage's increments over.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn commit<E: Element>(
+fn commit<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     h: f32,
     weights: [f32; 2],
@@ -302,25 +299,40 @@ fn commit<E: Element>(
         }
         math::compensated_add(given, carry, at(work.passed, port));
     }
-    for ((index, node), ([mass, carry, ..], [junction, junction_carry])) in
-        (0u32..).zip(network.nodes).zip(state.common.nodes.iter_mut().zip(state.junctions.iter_mut()))
-    {
-        for &[end, ..] in network.plan.terms_of(index) {
-            math::compensated_add(mass, carry, matrix::inward(at(work.passed, end / 2), end));
-        }
-        let gauge = if node.kind == NodeKind::Junction {
-            math::compensated_add(junction, junction_carry, at(work.delta, index));
-            *junction
-        } else {
-            node.start_gauge_pa + at(work.per_mass, index) * *mass
-        };
-        if let Some(pressure) = work.pressure.get_mut(index as usize) {
-            *pressure = gauge;
-        }
-        beyond |= Fault::outside(gauge, network.reference_pa);
-    }
+    beyond |= if UNROLL { move_nodes(network, state, work) } else { move_nodes_apart(network, state, work) };
     // One flag tells whether anything is wrong; only then is it looked for.
     if beyond { first_outside(network, state.flow, work.pressure) } else { None }
+}
+
+/// A function of its own, whose loop then has the processor's registers for itself.
+#[inline(never)]
+fn move_nodes_apart<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Work<'_>) -> bool {
+    move_nodes(network, state, work)
+}
+
+/// Moves the masses of all nodes by what passed their ports. Returns whether a pressure left its range.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn move_nodes<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Work<'_>) -> bool {
+    let (passed, delta, mut beyond) = (&*work.passed, &*work.delta, false);
+    let states = state.common.nodes.iter_mut().zip(state.junctions.iter_mut());
+    let figures = work.pressure.iter_mut().zip(work.per_mass.iter());
+    for ((index, node), (([mass, carry, ..], junction), (pressure, per_mass))) in
+        (0u32..).zip(network.nodes).zip(states.zip(figures))
+    {
+        for &[end, ..] in network.plan.terms_of(index) {
+            math::compensated_add(mass, carry, matrix::inward(at(passed, end >> 1), end));
+        }
+        *pressure = if node.kind == NodeKind::Junction {
+            let [gauge, carry] = junction;
+            math::compensated_add(gauge, carry, at(delta, index));
+            *gauge
+        } else {
+            node.start_gauge_pa + per_mass * *mass
+        };
+        beyond |= Fault::outside(*pressure, network.reference_pa);
+    }
+    beyond
 }
 
 /// Names what left its range; only asked for when something did.

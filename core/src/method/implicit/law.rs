@@ -15,11 +15,12 @@ pub(crate) fn of<E: Element>(segment: &Segment<E>, inputs: &[f32], mass_flow_kg_
     segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
 }
 
-/// Evaluates the laws that may have changed at the stage's inputs. `UNROLL` walks all segments, for a description
+/// Evaluates the laws that may have changed at the stage's inputs. `MOVED` flows have the increments of the first
+/// stage. `UNROLL` walks all segments, for a description
 /// known to the compiler.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn update<E: Element, const UNROLL: bool>(
+pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
     network: &Network<'_, E>,
     tau: f32,
     inputs: &[f32],
@@ -29,18 +30,18 @@ pub(crate) fn update<E: Element, const UNROLL: bool>(
     if UNROLL {
         for (index, segment) in network.segments.iter().enumerate() {
             if segment.element.is_active() {
-                set(network, index, segment, inputs, flow, work);
+                set::<E, MOVED>(network, index, segment, inputs, flow, work);
             }
         }
     } else {
         for active in network.active {
             let index = active.segment as usize;
             if let Some(segment) = network.segments.get(index) {
-                set(network, index, segment, inputs, flow, work);
+                set::<E, MOVED>(network, index, segment, inputs, flow, work);
             }
         }
     }
-    join(network, tau, inputs, flow, work);
+    join::<E, MOVED>(network, tau, inputs, flow, work);
     if network.lines.iter().any(|line| line.laminar_below_pa > 0.0) {
         for active in network.active {
             if let Some(line) = network.lines.get(active.line as usize) {
@@ -52,7 +53,7 @@ pub(crate) fn update<E: Element, const UNROLL: bool>(
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn set<E: Element>(
+fn set<E: Element, const MOVED: bool>(
     network: &Network<'_, E>,
     index: usize,
     segment: &Segment<E>,
@@ -63,11 +64,18 @@ fn set<E: Element>(
     if continues(&network.plan, index) || is_joined(&network.plan, index) {
         return;
     }
-    let law = of(segment, inputs, at(flow, index as u32) + at(work.first, index as u32));
+    let law = of(segment, inputs, present::<MOVED>(index, flow, work));
     write(index, [law.resistance, law.linear, law.head], work);
     if let Some(own) = work.law.get_mut(index) {
         *own = [law.resistance, law.linear, law.head];
     }
+}
+
+/// Flow at the stage's start [kg/s].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn present<const MOVED: bool>(index: usize, flow: &[f32], work: &Work<'_>) -> f32 {
+    at(flow, index as u32) + if MOVED { at(work.first, index as u32) } else { 0.0 }
 }
 
 #[inline(always)]
@@ -83,7 +91,7 @@ fn write(index: usize, [resistance, linear, head]: [f32; 3], work: &mut Work<'_>
 /// Sums every reach of several segments, in the direction in which it flows at the stage's start.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn join<E: Element>(
+pub(crate) fn join<E: Element, const MOVED: bool>(
     network: &Network<'_, E>,
     tau: f32,
     inputs: &[f32],

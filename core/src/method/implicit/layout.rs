@@ -110,8 +110,10 @@ pub(crate) struct Work<'w> {
     /// One row, dense, and the shares of rows with more neighbours.
     pub(crate) dense: &'w mut [f32],
     pub(crate) entries: &'w mut [f32],
-    /// 1 where some joint has no volume.
+    /// 1 where some joint in a line has no volume.
     pub(crate) merged: &'w mut [f32],
+    /// 1 where some node has no volume.
+    pub(crate) junctions: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -149,6 +151,7 @@ impl<'w> Work<'w> {
             dense: cut.take(rows),
             entries: cut.take(network.plan.columns.len()),
             merged: cut.take(1),
+            junctions: cut.take(1),
         }
     }
 }

@@ -33,10 +33,15 @@ fn ahead_of_drain(removal: f32, flow: f32) -> f32 {
     if removal > 0.0 && flow > 0.0 { 1.0 + removal } else { 1.0 }
 }
 
-/// Eliminates the interior of all lines of several segments, and writes their ports.
+/// Eliminates the interior of all lines of several segments, and writes their ports. A drain acts by the direction of
+/// the flow at the stage's start, which is the step's for the `FIRST`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn sweep<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+pub(crate) fn sweep<E: Element, const FIRST: bool>(
+    network: &Network<'_, E>,
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
     for &index in network.plan.composite {
         if let Some(line) = network.lines.get(index as usize) {
             for node in [line.from as usize, line.to as usize] {
@@ -48,7 +53,7 @@ pub(crate) fn sweep<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &m
     }
     for (place, &index) in network.plan.composite.iter().enumerate() {
         let Some(line) = network.lines.get(index as usize) else { continue };
-        let admittance = eliminate(network, line, flow, work);
+        let admittance = eliminate::<E, FIRST>(network, line, flow, work);
         for (node, held) in [(line.from, admittance.inlet_held), (line.to, admittance.outlet_held)] {
             if let Some(excess) = work.excess.get_mut(node as usize) {
                 *excess += held;
@@ -64,7 +69,7 @@ pub(crate) fn sweep<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &m
 /// Sweeps a line from inlet to outlet.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-fn eliminate<E: Element>(
+fn eliminate<E: Element, const FIRST: bool>(
     network: &Network<'_, E>,
     line: &Line,
     flow: &[f32],
@@ -89,7 +94,8 @@ fn eliminate<E: Element>(
         let [b, f] = work.ports.get(index).copied().unwrap_or([0.0; 2]);
         // Said this way, a line that drains nothing is known not to when the network is compiled in.
         forward = ratio > 1.0 || removal > 0.0;
-        forward = forward && at(flow, index as u32) + at(work.first, index as u32) > 0.0;
+        let moved = if FIRST { 0.0 } else { at(work.first, index as u32) };
+        forward = forward && at(flow, index as u32) + moved > 0.0;
         let leaves = if ratio > 1.0 && forward { ratio } else { 1.0 };
         if inlet.is_none() {
             inlet = Some((leaves, [b, f]));
@@ -150,18 +156,46 @@ pub(crate) fn substitute<E: Element>(network: &Network<'_, E>, work: &mut Work<'
     }
 }
 
+/// Known parts of the interior balances in the trapezoidal stage: none, as the flows of the step's start are counted
+/// with those of the stage.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn forget<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
+    for line in network.plan.composite.iter().filter_map(|&index| network.lines.get(index as usize)) {
+        for [_, _, known, ..] in work.joints.get_mut(range(line)).unwrap_or(&mut []) {
+            *known = 0.0;
+        }
+    }
+}
+
 /// Known parts of the interior balances in the BDF2 stage: a share of the first stage's increments.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn carry_over<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let increments = work.delta.get(network.nodes.len()..).unwrap_or(&[]);
-    for ([capacity, _, known, ..], delta) in work.joints.iter_mut().zip(increments) {
-        *known = super::CARRY_OVER * *capacity * delta;
+    for line in network.plan.composite.iter().filter_map(|&index| network.lines.get(index as usize)) {
+        let joints = work.joints.get_mut(range(line)).unwrap_or(&mut []);
+        for ([capacity, _, known, ..], delta) in
+            joints.iter_mut().zip(increments.get(range(line)).unwrap_or(&[]))
+        {
+            *known = super::CARRY_OVER * *capacity * delta;
+        }
     }
 }
 
+/// Flow at a port at the step's start [kg/s]; `end` is twice the port, plus one at an outlet.
+#[cold]
+pub(crate) fn port_flow<E: Element>(network: &Network<'_, E>, end: u32, flow: &[f32]) -> f32 {
+    let Some(place) = (end as usize / 2).checked_sub(network.segments.len()) else {
+        return at(flow, end / 2);
+    };
+    let line = network.plan.composite.get(place / 2).and_then(|&line| network.lines.get(line as usize));
+    let [inlet, outlet] = line.map_or([0.0; 2], |line| flows(network, line, flow));
+    if end % 2 == 0 { inlet } else { outlet }
+}
+
 /// Flows at a line's inlet and outlet at the step's start [kg/s].
-pub(crate) fn flows<E: Element>(network: &Network<'_, E>, line: &Line, flow: &[f32]) -> [f32; 2] {
+fn flows<E: Element>(network: &Network<'_, E>, line: &Line, flow: &[f32]) -> [f32; 2] {
     let mut ends: Option<(f32, f32)> = None;
     let (mut ratio, mut removal) = (1.0, 0.0);
     for index in range(line) {

@@ -55,8 +55,8 @@ fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     back(plan, work);
 }
 
-/// What a row has before it is reduced: e and r, with the part of neighbours that are branches. Calls `later` with the
-/// port's conductance and the row of every neighbour that is not.
+/// What a row has before it is reduced: e and r, with the part of neighbours that are branches. Calls `each` with
+/// every port's conductance, the row of the neighbour if it is no branch, and what is added to e.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
 fn gather(
@@ -64,14 +64,15 @@ fn gather(
     [mut held, mut known]: [f32; 2],
     ports: &[Port],
     swept: &[[f32; 2]],
-    mut later: impl FnMut(f32, u32),
+    mut each: impl FnMut(f32, u32, f32),
 ) -> [f32; 2] {
     for &[end, by, row] in terms {
         let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
         let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
-        held += through * share;
+        let theirs = through * share;
+        held += theirs;
         known += through * increment + inward(flow, end);
-        later(through, row);
+        each(through, row, theirs);
     }
     [held, known]
 }
@@ -83,9 +84,14 @@ fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
     let (ports, swept) = (&*work.ports, &mut *work.swept);
     for ((&node, &[port, _]), share) in plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut()) {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
-        let sums = [at(work.excess, node), at(work.known, node)];
-        let [held, known] = gather(plan.terms_of(node), sums, ports, swept, |_, _| ());
-        let reciprocal = 1.0 / (held + onward);
+        let own = at(work.excess, node);
+        // Summed beside what is held, so that the division need not wait for one more addition.
+        let mut diagonal = own + onward;
+        let [held, known] =
+            gather(plan.terms_of(node), [own, at(work.known, node)], ports, swept, |_, _, held| {
+                diagonal += held
+            });
+        let reciprocal = 1.0 / diagonal;
         *share = onward * reciprocal;
         if let Some(swept) = swept.get_mut(node as usize) {
             *swept = [held * reciprocal, known * reciprocal];
@@ -106,11 +112,12 @@ fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
         }
         let mut dense = core::mem::take(&mut work.dense);
         let sums = [at(work.excess, node), at(work.known, node)];
-        let [mut held, mut known] = gather(plan.terms_of(node), sums, work.ports, work.swept, |through, row| {
-            if let Some(slot) = dense.get_mut(row as usize) {
-                *slot += through;
-            }
-        });
+        let [mut held, mut known] =
+            gather(plan.terms_of(node), sums, work.ports, work.swept, |through, row, _| {
+                if let Some(slot) = dense.get_mut(row as usize) {
+                    *slot += through;
+                }
+            });
         for &by in columns(lower) {
             let exchange = at(dense, by);
             let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);

@@ -164,9 +164,9 @@ impl<'c> Columns<'c> {
     fn rows(self) -> impl Iterator<Item = Row> + use<'c> {
         let inner = self.inertia.iter().zip(self.quadratic).zip(self.linear);
         let outer = self.laminar.iter().zip(self.guarded).zip(self.flow);
-        inner.zip(outer).map(|(((i, k), l), ((laminar, guarded), flow))| {
-            ([*i, *k, *l, *laminar, *guarded], *flow)
-        })
+        inner
+            .zip(outer)
+            .map(|(((i, k), l), ((laminar, guarded), flow))| ([*i, *k, *l, *laminar, *guarded], *flow))
     }
 }
 
