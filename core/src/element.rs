@@ -148,6 +148,11 @@ pub trait Element {
         false
     }
 
+    /// Whether the law may ever have a linear part.
+    fn may_be_linear(&self) -> bool {
+        self.is_active()
+    }
+
     /// States the pressure law at the present operating point. Never panics and never returns NaN for inputs
     /// in range.
     fn law(&self, at: &Operating<'_>) -> Law;
@@ -219,6 +224,11 @@ impl Element for StdElement {
     #[inline(always)]
     fn follows_flow(&self) -> bool {
         each!(self, element => element.follows_flow())
+    }
+
+    #[inline(always)]
+    fn may_be_linear(&self) -> bool {
+        each!(self, element => element.may_be_linear())
     }
 
     #[inline(always)]

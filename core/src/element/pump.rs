@@ -26,6 +26,11 @@ impl Element for Pump {
     }
 
     #[inline]
+    fn may_be_linear(&self) -> bool {
+        self.curve.linear_pa_s_kg > 0.0
+    }
+
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         self.curve.law(at.inputs.first().copied().unwrap_or(1.0), at.density_ratio)
     }

@@ -42,6 +42,11 @@ impl Element for Valve {
     }
 
     #[inline]
+    fn may_be_linear(&self) -> bool {
+        false
+    }
+
+    #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = at.inputs.first().copied().unwrap_or(1.0);
         Law::quadratic(self.resistance_pa_s2_kg2(opening) / at.density_ratio)

@@ -30,30 +30,28 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
     if UNROLL {
         for (index, segment) in network.segments.iter().enumerate() {
             if segment.element.is_active() {
-                set::<E, MOVED>(network, index, segment, inputs, flow, work);
+                set::<E, UNROLL, MOVED>(network, index, segment, inputs, flow, work);
             }
         }
     } else {
         for active in network.active {
             let index = active.segment as usize;
             if let Some(segment) = network.segments.get(index) {
-                set::<E, MOVED>(network, index, segment, inputs, flow, work);
+                set::<E, UNROLL, MOVED>(network, index, segment, inputs, flow, work);
             }
         }
     }
     join::<E, MOVED>(network, tau, inputs, flow, work);
-    if network.lines.iter().any(|line| line.laminar_below_pa > 0.0) {
-        for active in network.active {
-            if let Some(line) = network.lines.get(active.line as usize) {
-                set_laminar(line, work);
-            }
+    for active in network.active {
+        if let Some(line) = network.lines.get(active.line as usize) {
+            set_laminar(line, work);
         }
     }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn set<E: Element, const MOVED: bool>(
+fn set<E: Element, const UNROLL: bool, const MOVED: bool>(
     network: &Network<'_, E>,
     index: usize,
     segment: &Segment<E>,
@@ -66,7 +64,9 @@ fn set<E: Element, const MOVED: bool>(
     }
     let law = of(segment, inputs, present::<MOVED>(index, flow, work));
     write(index, [law.resistance, law.linear, law.head], work);
-    if let Some(own) = work.law.get_mut(index) {
+    // Kept for the line's laminar flow only.
+    let laminar = !UNROLL || network.lines.iter().any(|line| line.laminar_below_pa > 0.0);
+    if let Some(own) = work.law.get_mut(index).filter(|_| laminar) {
         *own = [law.resistance, law.linear, law.head];
     }
 }

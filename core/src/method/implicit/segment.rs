@@ -46,6 +46,7 @@ struct Momentum {
     linear: f32,
     laminar: f32,
     guarded: bool,
+    known: Known,
 }
 
 impl Momentum {
@@ -53,7 +54,8 @@ impl Momentum {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over segments")]
     fn loss(self, w: f32) -> f32 {
-        self.quadratic * w * self.at_least(w.abs(), self.laminar) + self.linear * w
+        let loss = self.quadratic * w * self.at_least(w.abs(), self.laminar);
+        if self.known.quadratic { loss } else { loss + self.linear * w }
     }
 
     /// The larger of the two, where there is a laminar range at all.
@@ -75,12 +77,13 @@ impl Momentum {
         let mut size = self.at_least(present.abs(), 0.5 * self.laminar);
         if self.guarded {
             let total = (pushed + differ + self.inertia * w).abs();
-            let resisting = self.inertia + self.linear;
+            let resisting = if self.known.quadratic { self.inertia } else { self.inertia + self.linear };
             let root = math::sqrt(resisting * resisting + 4.0 * self.quadratic * total);
             // Nothing drives and nothing resists: 0/0, for which the present flow stands.
             size = math::larger(2.0 * total / (resisting + root), size);
         }
-        let slope = 2.0 * self.quadratic * size + self.linear;
+        let slope = 2.0 * self.quadratic * size;
+        let slope = if self.known.quadratic { slope } else { slope + self.linear };
         let b = 1.0 / (self.inertia + slope);
         (b, b * ((pushed - self.loss(present)) + slope * dw))
     }
@@ -95,7 +98,12 @@ struct Known {
     turbulent: bool,
     /// The slope needs no guard.
     free: bool,
+    /// It has inertance.
+    inert: bool,
 }
+
+/// Nothing is known.
+const UNKNOWN: Known = Known { quadratic: false, turbulent: false, free: false, inert: false };
 
 /// Whether the slope of a reach needs its guard: its law changes, and may become as stiff as it likes within one
 /// step, or the expected pressure would drive its flow against friction rather than against inertance.
@@ -109,16 +117,17 @@ pub(crate) fn needs_guard(active: bool, inertia: f32, quadratic: f32) -> bool {
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn known<E: Element, const UNROLL: bool>(network: &Network<'_, E>, tau: f32, index: usize) -> Known {
     if !UNROLL || layout::is_joined(&network.plan, index) {
-        return Known { quadratic: false, turbulent: false, free: false };
+        return UNKNOWN;
     }
     let turbulent = network.lines.iter().all(|line| line.laminar_below_pa <= 0.0);
     let Some(segment) = network.segments.get(index) else {
-        return Known { quadratic: false, turbulent, free: false };
+        return UNKNOWN;
     };
     let active = segment.element.is_active();
     let resistance = if active { 0.0 } else { law::of(segment, &[], 0.0).resistance };
     let free = !needs_guard(active, segment.inertance_per_m / tau, resistance);
-    Known { quadratic: !active, turbulent, free }
+    let quadratic = !active || !segment.element.may_be_linear();
+    Known { quadratic, turbulent, free, inert: segment.inertance_per_m > 0.0 }
 }
 
 impl Known {
@@ -128,9 +137,10 @@ impl Known {
         Momentum {
             inertia,
             quadratic,
-            linear: if self.quadratic { 0.0 } else { linear },
+            linear,
             laminar: if self.turbulent { 0.0 } else { laminar },
             guarded: !self.free && guarded > 0.0,
+            known: self,
         }
     }
 }
@@ -192,7 +202,8 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
         every!(UNROLL, rows, (index, (((figures, w), (head, drop)), momentum)) => {
             let law = self.momentum(index, figures);
             let rate = (drop + head) - law.loss(w);
-            *momentum = drop + if law.inertia > 0.0 { rate } else { 0.0 };
+            let inert = law.known.inert || law.inertia > 0.0;
+            *momentum = drop + if inert { rate } else { 0.0 };
         });
     }
 
