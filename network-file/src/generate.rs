@@ -301,7 +301,8 @@ mod tests {
         assert!(generate(Shape::Chain, 2, 0).is_err());
         assert!(generate(Shape::Chain, limits::NODES, 0).is_ok());
         assert!(generate(Shape::Star, limits::NODES + 1, 0).is_err());
-        let error = generate(Shape::Mesh, limits::NODES, 0).unwrap_err();
-        assert!(error.to_string().starts_with("no mesh of 4096 nodes"), "{error}");
+        assert!(generate(Shape::Mesh, limits::NODES, 0).is_ok());
+        let error = generate(Shape::Mesh, limits::NODES + 1, 0).unwrap_err();
+        assert!(error.to_string().starts_with("no mesh of 16385 nodes"), "{error}");
     }
 }

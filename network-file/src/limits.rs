@@ -7,11 +7,11 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 /// Largest file [bytes].
-pub const FILE_BYTES: usize = 16 << 20;
+pub const FILE_BYTES: usize = 32 << 20;
 /// Most nodes in a file.
-pub const NODES: usize = 4_096;
+pub const NODES: usize = 16_384;
 /// Most lines in a file.
-pub const LINES: usize = 4_096;
+pub const LINES: usize = 32_768;
 /// Most elements in a file.
 pub const ELEMENTS: usize = 65_536;
 /// Most schedules in a file.

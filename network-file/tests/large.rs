@@ -36,7 +36,7 @@ fn ring(cabins: usize) -> String {
 
 #[test]
 fn a_network_at_the_limits_is_read_in_seconds() {
-    let text = ring(limits::NODES);
+    let text = ring(limits::SCHEDULES);
     let start = Instant::now();
     let loaded = parse(&text, "ring.toml").unwrap_or_else(|error| panic!("{error}"));
     let took = start.elapsed();
