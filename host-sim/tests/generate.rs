@@ -72,7 +72,7 @@ fn wrong_shapes_and_sizes_are_usage() {
     for (arguments, reason) in [
         (["generate", "ring", "--nodes", "9"], "there are chain, star, tree, mesh"),
         (["generate", "star", "--nodes", "2"], "at least 3 nodes"),
-        (["generate", "mesh", "--nodes", "99999"], "at most 4096 nodes"),
+        (["generate", "mesh", "--nodes", "99999"], "at most 16384 nodes"),
     ] {
         let (code, _, err) = folder.say(&arguments);
         assert!(code == 2 && err.contains(reason), "{arguments:?}: {code} {err}");

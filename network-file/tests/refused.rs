@@ -354,7 +354,7 @@ fn more_than_there_is_room_for() {
             "[[node]]\nid = \"n{index}\"\nkind = \"boundary\"\npressure_pa = 1e5\ntemperature_k = 290.0\n"
         )
     };
-    starts(&format!("{RIGHT}{}", many(limits::NODES, &node)), "4098 tables `[[node]]`, at most 4096");
+    starts(&format!("{RIGHT}{}", many(limits::NODES, &node)), "16386 tables `[[node]]`, at most 16384");
 
     let point = |index| format!("[{index}.0, 0.5], ");
     let points = format!("points = [{}]", many(limits::SCHEDULE_POINTS + 1, &point));
