@@ -3,6 +3,7 @@
 use eclss_core::mode::Mode;
 use eclss_core::process::{Hold, Image, InputChannel, InputState, Port, Process, Scaling};
 use eclss_core::{Health, Method, Network, Node, NodeKind};
+use eclss_network_file::PlanTables;
 use eclss_tests::paper;
 use eclss_tests::physical::{Drain, Ringing};
 use eclss_tests::product::{closing_loop, with_simulator};
@@ -46,16 +47,8 @@ enum Seen {
 fn run(step_us: u32, seen: Seen) -> Vec<f64> {
     let network = closing_loop();
     let nodes = [Node { kind: NodeKind::Boundary, ..network.nodes[0] }];
-    let plan = eclss_core::Plan {
-        order: &[],
-        row_start: &[0],
-        columns: &[],
-        diagonal: &[],
-        stamps: &[[eclss_core::Plan::NOWHERE; 4]],
-        row_of: &[eclss_core::Plan::NOWHERE],
-        ..network.plan
-    };
-    let scheduled = Network { nodes: &nodes, plan, ..network };
+    let tables = PlanTables::new(&nodes, network.lines, network.segments);
+    let scheduled = Network { nodes: &nodes, plan: tables.plan(), ..network };
     let live = Network { schedules: &[], points: &[], ..scheduled };
     let network = if matches!(seen, Seen::Scheduled) { &scheduled } else { &live };
     with_simulator(network, Method::TrBdf2, step_us, |simulator| {
