@@ -79,5 +79,6 @@ pub fn paper_loop() -> Network<'static> {
             composite: &[0],
             between: &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]],
         },
+        climate: crate::Climate::NONE,
     }
 }

@@ -50,6 +50,7 @@ mod schedule;
 mod simulator;
 mod storage;
 
+pub use climate::Climate;
 pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, StdElement};
 pub use fingerprint::Fingerprint;
 pub use method::adaptive::split::{InTurn, Join, SplitBuffers};

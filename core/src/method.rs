@@ -7,7 +7,7 @@ pub(crate) mod observe;
 pub(crate) mod relaxation;
 
 use crate::element::Element;
-use crate::{Network, NodeKind, PlanError, Sizes};
+use crate::{Network, NodeKind, PlanError, Sizes, climate};
 
 /// The methods that exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +38,10 @@ pub enum MethodError {
     NodeTooSmall(u32),
     /// The method needs a volume or a boundary, this node is a junction.
     Junction(u32),
+    /// The method moves gas only, this node is liquid.
+    Liquid(u32),
+    /// Heat, moisture and composition need the flows of a physical method; this one's are pseudo-time.
+    Climate,
     /// The connection tables are missing or wrong.
     Plan(PlanError),
     /// A line drains more than 11.8 % of its flow, for which the method's bound is not proven.
@@ -76,6 +80,8 @@ impl Method {
             Self::Adaptive => adaptive::sizes(network),
             Self::ImplicitEuler | Self::TrBdf2 => implicit::sizes(network),
         };
+        let (climate_state, climate_work) = climate::sizes(network);
+        let (state, work) = (state + climate_state, work + climate_work);
         Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
 
@@ -99,8 +105,19 @@ impl Method {
         Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
 
+    /// Places between the gauge pressures of two nodes, which stand at the beginning of the work buffer.
+    pub(crate) const fn node_stride(self) -> usize {
+        match self {
+            Self::Adaptive => adaptive::NODE_FIGURES,
+            Self::Euler | Self::Relaxation | Self::ImplicitEuler | Self::TrBdf2 => 1,
+        }
+    }
+
     /// Finds out whether the method takes this network with a step of `step_us` [µs].
     pub fn check<E: Element>(self, network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
+        if matches!(self, Self::Euler | Self::Relaxation) && !network.climate.is_none() {
+            return Err(MethodError::Climate);
+        }
         match self {
             Self::Euler => relaxation::check(network, step_us, 1_000_000),
             Self::Relaxation => relaxation::check(network, step_us, 10_000),
@@ -109,8 +126,12 @@ impl Method {
         }
     }
 
-    /// Refuses the first node without a volume of its own.
+    /// Refuses the first node without a gas volume of its own.
     pub(crate) fn refuse_junctions<E>(network: &Network<'_, E>) -> Result<(), MethodError> {
+        let liquid = network.nodes.iter().position(|node| matches!(node.kind, NodeKind::Liquid { .. }));
+        if let Some(index) = liquid {
+            return Err(MethodError::Liquid(index as u32));
+        }
         let junction = network.nodes.iter().position(|node| node.kind == NodeKind::Junction);
         junction.map_or(Ok(()), |index| Err(MethodError::Junction(index as u32)))
     }

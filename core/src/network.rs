@@ -5,7 +5,7 @@
 //! with whoever made the description.
 
 use crate::element::{Element, Operating, ParameterError, Reason, StdElement};
-use crate::{Fingerprint, Node, Plan, PlanError, Schedule, SchedulePoint};
+use crate::{Climate, Fingerprint, Node, Plan, PlanError, Schedule, SchedulePoint};
 
 /// One element at its place in a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +73,8 @@ pub struct Network<'a, E = StdElement> {
     pub points: &'a [SchedulePoint],
     /// Tables that follow from the connections; [`Plan::EMPTY`] is enough for `euler` and `relaxation`.
     pub plan: Plan<'a>,
+    /// Heat, moisture, composition and control; [`Climate::NONE`] for flows only.
+    pub climate: Climate<'a>,
 }
 
 /// Why a description was refused, with the index of the thing at fault.
@@ -261,6 +263,7 @@ impl<E: Element> Network<'_, E> {
         for point in self.points {
             point.feed(&mut hash);
         }
+        self.climate.feed(&mut hash);
         hash.finish()
     }
 

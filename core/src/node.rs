@@ -20,6 +20,12 @@ pub enum NodeKind {
         /// Free gas volume V [m³], finite and > 0.
         volume_m3: f32,
     },
+    /// A volume of liquid that keeps its density: pipe, tank, or accumulator with a spring; only the implicit methods
+    /// take it.
+    Liquid {
+        /// Mass that a pascal more presses in, V·ρ/K of a full volume or an accumulator's own [kg/Pa]; finite and > 0.
+        capacity_kg_pa: f32,
+    },
     /// A point without volume where lines meet; only the implicit methods take it.
     Junction,
     /// Held at its start pressure whatever flows: supply, space vacuum.
@@ -45,6 +51,7 @@ impl Node {
     pub fn pressure_per_mass_pa_kg(&self) -> f32 {
         match self.kind {
             NodeKind::Cabin { volume_m3 } => air::pressure_per_mass_pa_kg(volume_m3, self.temperature_k),
+            NodeKind::Liquid { capacity_kg_pa } => 1.0 / capacity_kg_pa,
             NodeKind::Junction | NodeKind::Boundary => 0.0,
         }
     }
@@ -53,6 +60,12 @@ impl Node {
     pub fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_finite("start_gauge_pa", self.start_gauge_pa)?;
         ParameterError::unless_positive("temperature_k", self.temperature_k)?;
+        if let NodeKind::Liquid { capacity_kg_pa } = self.kind {
+            ParameterError::unless_positive("capacity_kg_pa", capacity_kg_pa)?;
+            if !self.pressure_per_mass_pa_kg().is_finite() {
+                return Err(ParameterError { parameter: "capacity_kg_pa", reason: Reason::NotPositive });
+            }
+        }
         if let NodeKind::Cabin { volume_m3 } = self.kind {
             ParameterError::unless_positive("volume_m3", volume_m3)?;
             if !self.pressure_per_mass_pa_kg().is_finite() {
@@ -67,6 +80,10 @@ impl Node {
             NodeKind::Cabin { volume_m3 } => {
                 hash.word(1);
                 hash.value(volume_m3);
+            }
+            NodeKind::Liquid { capacity_kg_pa } => {
+                hash.word(4);
+                hash.value(capacity_kg_pa);
             }
             NodeKind::Boundary => hash.word(2),
             NodeKind::Junction => hash.word(3),

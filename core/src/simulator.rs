@@ -8,7 +8,9 @@ pub use checkpoint::CheckpointError;
 pub use live::{InputError, LiveInput};
 pub use split::SplitSimulator;
 
+use crate::climate::{self, ClimateError, ExchangerReadings, Ledger, Readings};
 use crate::element::{Element, StdElement};
+use crate::method::common::{Common, Cut};
 use crate::method::implicit::StageInputs;
 use crate::method::observe::Observer;
 use crate::method::{adaptive, implicit, relaxation};
@@ -33,6 +35,8 @@ pub enum BuildError {
     Network(NetworkError),
     /// The method does not take this description with this step.
     Method(MethodError),
+    /// Heat, moisture, composition or control are wrong.
+    Climate(ClimateError),
     /// A buffer is too short.
     Buffer {
         /// Which buffer.
@@ -167,6 +171,7 @@ impl<'a, E: Element> Simulator<'a, E> {
     ) -> Result<Self, BuildError> {
         network.check().map_err(BuildError::Network)?;
         settings.method.check(network, settings.step_us).map_err(BuildError::Method)?;
+        network.climate.check(network, settings.step_us).map_err(BuildError::Climate)?;
         let sizes = settings.method.sizes(network);
         let short = |name, needed, given| BuildError::Buffer { name, needed, given };
         let Buffers { state, work, inputs, cursors } = buffers;
@@ -259,6 +264,12 @@ impl<'a, E: Element> Simulator<'a, E> {
         };
         follow_schedules(network, settings, self.time_us, inputs, cursors);
         let h = settings.step_us as f32 * 1e-6;
+        let (climate_state, climate_work) = climate::sizes(network);
+        let (state, climate_state) = state.split_at_mut(sizes.state.saturating_sub(climate_state));
+        let (work, climate_work) = work.split_at_mut(sizes.work.saturating_sub(climate_work));
+        if !network.climate.loops.is_empty() {
+            climate::control(network, h, self.tick, climate_state, climate_work, inputs);
+        }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
         let (margin, place) = step(h, state, work, StageInputs { start, middle, end });
@@ -386,7 +397,7 @@ impl<'a, E: Element> Simulator<'a, E> {
 
     /// Mass of node `node` as deviation from the start [kg].
     pub fn node_mass_kg(&self, node: usize) -> f64 {
-        self.observer().node_mass_kg(node)
+        self.climate().mass_kg(node).unwrap_or_else(|| self.observer().node_mass_kg(node))
     }
 
     /// Mass that the operator kept node `node` from storing [kg]; 0 wherever φ was 1 throughout.
@@ -402,6 +413,44 @@ impl<'a, E: Element> Simulator<'a, E> {
     /// Mass that the volumes inside line `line` hold beyond the start [kg].
     pub fn held_kg(&self, line: usize) -> f64 {
         self.observer().held_kg(line)
+    }
+
+    fn climate(&self) -> climate::Observed<'_, 'a> {
+        let (state, work) = climate::sizes(self.network);
+        let tail = |buffer: &'_ [f32], length: usize| buffer.len().saturating_sub(length);
+        climate::Observed::of(
+            &self.network.climate,
+            self.state.get(tail(self.state, state)..).unwrap_or(&[]),
+            self.work.get(tail(self.work, work)..).unwrap_or(&[]),
+            self.settings.step_us as f32 * 1e-6,
+        )
+    }
+
+    /// What node `node` shows as a volume of air; `None` without a climate, and for coolant.
+    pub fn air(&self, node: usize) -> Option<Readings> {
+        self.climate().air(node)
+    }
+
+    /// Temperature of node `node` [K]: its present one with a climate, else the fixed one of the description.
+    pub fn node_temperature_k(&self, node: usize) -> f32 {
+        let fixed = || self.network.nodes.get(node).map(|node| node.temperature_k);
+        self.climate().temperature_k(node).or_else(fixed).unwrap_or(f32::NAN)
+    }
+
+    /// What exchanger `index` of the climate shows.
+    pub fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
+        self.climate().exchanger(index)
+    }
+
+    /// Share of what arrived at node `node` that its volume stored in the last step [1]; below 1 where more passes than
+    /// it holds.
+    pub fn storage_phi(&self, node: usize) -> Option<f32> {
+        self.climate().phi(node)
+    }
+
+    /// Ledgers of gases, water, coolant and energy; all zero without a climate.
+    pub fn ledgers(&self) -> [Ledger; 7] {
+        self.climate().ledgers()
     }
 
     /// Returns the hash over network id, method, step, tick and every state and carry, the same on every

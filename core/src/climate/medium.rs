@@ -70,6 +70,9 @@ pub struct Medium {
 }
 
 impl Medium {
+    /// Nothing flows.
+    pub const NONE: Self = Self::coolant(0.0);
+
     /// Cabin air at the reference temperature `reference_k` [K, 273…333].
     pub fn air(reference_k: f32) -> Self {
         let latent_j_kg = moist::evaporation_enthalpy_j_kg(reference_k);

@@ -26,10 +26,7 @@ impl<E: Element> Observer<'_, '_, E> {
 
     /// Gauge pressure of a node [Pa].
     pub(crate) fn node_gauge_pa(&self, node: usize) -> f32 {
-        let stride = match self.method {
-            Method::Adaptive => adaptive::NODE_FIGURES,
-            _ => 1,
-        };
+        let stride = self.method.node_stride();
         if node < self.network.nodes.len() {
             self.work.get(stride * node).copied().unwrap_or(f32::NAN)
         } else {

@@ -1,0 +1,90 @@
+//! Crew: what people take from the air and give to it, by activity.
+//!
+//! Source: BVAD 2015 table 3.22 (NASA/TP-2015-218570), through V-HAB: dry heat in kJ/h; vapour, sweat, oxygen and
+//! carbon dioxide in 1e-4 kg/min, a person. With 8 h of sleep, 30 min of exercise and 60 min of recovery a day of it sums
+//! to 0.819 kg of oxygen, 1.038 kg of carbon dioxide, 1.85 kg of vapour, 0.08 kg of sweat and 136.9 W, latent heat included. (The daily sums
+//! of NASA RP-1324 differ: 0.84, 1.00, 2.28 kg, 136.7 W.) In recovery oxygen and carbon dioxide are as in nominal work.
+//! Sweat is liquid water that lies free in the cabin. All of it comes at the cabin's temperature.
+
+use super::medium::{CARBON_DIOXIDE, LIQUID, OXYGEN, PARTS, Parts, VAPOUR};
+use crate::{Fingerprint, InputSpec};
+
+/// A group of people in one cabin. Inputs: how many, and their activity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Crew {
+    /// The cabin.
+    pub node: u32,
+    /// Slot of `count`; `activity` follows.
+    pub first_input: u32,
+}
+
+/// Names of the activities; the input `activity` is the index.
+pub const ACTIVITIES: [&str; 8] =
+    ["sleep", "nominal", "exercise", "late_exercise", "recovery", "recovery_2", "recovery_3", "recovery_4"];
+
+/// Dry heat [kJ/h]; vapour, sweat, oxygen, carbon dioxide [1e-4 kg/min].
+const TABLE: [[f32; 5]; 8] = [
+    [224.0, 6.3, 0.0, 3.6, 4.55],
+    [329.0, 11.77, 0.0, 5.68, 7.2],
+    [514.0, 46.16, 1.56, 39.4, 49.85],
+    [624.0, 128.42, 33.52, 39.4, 49.85],
+    [568.0, 83.83, 15.16, 5.68, 7.2],
+    [488.0, 40.29, 0.36, 5.68, 7.2],
+    [466.0, 27.44, 0.0, 5.68, 7.2],
+    [455.0, 20.4, 0.0, 5.68, 7.2],
+];
+
+/// What one person gives at an activity: heat [W], and masses of the parts [kg/s], oxygen below 0.
+pub fn person(activity: f32) -> (f32, Parts) {
+    let index = if activity > 0.0 { (activity + 0.5) as usize } else { 0 };
+    let row = TABLE.get(index).or(TABLE.last()).unwrap_or(&[0.0; 5]);
+    let [heat_kj_h, vapour, sweat, oxygen, carbon_dioxide] = *row;
+    const KG_S: f32 = 1e-4 / 60.0;
+    let mut parts = [0.0; PARTS];
+    parts[VAPOUR] = vapour * KG_S;
+    parts[LIQUID] = sweat * KG_S;
+    parts[OXYGEN] = -oxygen * KG_S;
+    parts[CARBON_DIOXIDE] = carbon_dioxide * KG_S;
+    (heat_kj_h * (1.0 / 3.6), parts)
+}
+
+impl Crew {
+    /// Inputs: number of people, activity.
+    pub const INPUTS: [InputSpec; 2] = [
+        InputSpec { name: "count", unit: "1", min: 0.0, max: 100.0, default: 1.0 },
+        InputSpec { name: "activity", unit: "1", min: 0.0, max: 7.0, default: 1.0 },
+    ];
+
+    pub(crate) fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(self.node);
+        hash.word(self.first_input);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_day_of_the_table_sums_to_the_printed_figures() {
+        // Hours: 8 asleep, ½ exercising, 1 recovering by quarters, the rest nominal.
+        let hours = [8.0f32, 14.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25];
+        let (mut heat, mut sums) = (0.0, [0.0f32; PARTS]);
+        for (activity, hours) in hours.into_iter().enumerate() {
+            let (watt, parts) = person(activity as f32);
+            heat += watt * hours / 24.0;
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                *sum += part * 3_600.0 * hours;
+            }
+        }
+        assert!((sums[OXYGEN] + 0.819).abs() < 1e-3, "{}", sums[OXYGEN]);
+        assert!((sums[CARBON_DIOXIDE] - 1.038).abs() < 1e-3, "{}", sums[CARBON_DIOXIDE]);
+        assert!((sums[VAPOUR] - 1.85).abs() < 5e-3, "{}", sums[VAPOUR]);
+        assert!((sums[LIQUID] - 0.08).abs() < 5e-3, "{}", sums[LIQUID]);
+        // The printed heat counts what it takes to evaporate the vapour.
+        let latent = sums[VAPOUR] * 2.43e6 / 86_400.0;
+        assert!((heat + latent - 136.9).abs() < 1.0, "{heat} + {latent}");
+    }
+}

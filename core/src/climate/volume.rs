@@ -1,0 +1,268 @@
+//! Well-mixed volumes: what they hold, and how temperature and pressure follow from it.
+//!
+//! A volume stores deviations from its start, compensated: the mass of every part and the energy. From them
+//!
+//! ```text
+//! C = Σ m·c_v     θ − θ0 = (δE + Σ offset·δm − δC·θ0)/C                       (offset R·T_r for gases, L for liquid)
+//! δp = (δRM·T0 + (RM0 + δRM)·δT)/V,   RM = Σ m·R                              (the gauge identity of p·V = m·R·T)
+//! ```
+//!
+//! Outflow carries the volume's state at the step's start (upwind). Where more would pass in a step than the volume
+//! holds, its storage counts as larger by 1/φ: every new fraction and temperature is then a convex combination of old
+//! ones, whatever the step. What that keeps from being stored is booked as owed; φ is shown.
+//!
+//! Valid while the volume is mixed: [`Readings::mixed`] says when it no longer is.
+
+use super::medium::{LIQUID, Medium, PARTS, Parts, VAPOUR, dot};
+use crate::element::{ParameterError, Reason};
+use crate::{Fingerprint, Node, NodeKind, math, moist};
+
+/// What a node holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Contents {
+    /// Cabin air.
+    Air,
+    /// The network's coolant.
+    Coolant,
+}
+
+/// Fixed data of one volume, beside its [`Node`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Volume {
+    /// What it holds.
+    pub contents: Contents,
+    /// Mass at the start [kg]; finite and > 0. Any for a boundary.
+    pub start_kg: f32,
+    /// Mass fractions at the start [1]; of coolant all is part 0.
+    pub fractions: Parts,
+    /// Longest time in which ventilation turns the volume over while it still counts as mixed [s]; > 0, infinite for
+    /// one that is always mixed.
+    pub mixing_limit_s: f32,
+    /// How fast free water evaporates, and vapour above saturation condenses, per pressure difference [kg/(s·Pa)];
+    /// finite and ≥ 0.
+    pub surface_kg_s_pa: f32,
+}
+
+impl Volume {
+    pub(super) fn medium<'m>(&self, air: &'m Medium, coolant: &'m Medium) -> &'m Medium {
+        match self.contents {
+            Contents::Air => air,
+            Contents::Coolant => coolant,
+        }
+    }
+
+    /// Finds the first parameter outside its valid range.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless_positive("start_kg", self.start_kg)?;
+        let mut sum = 0.0;
+        for fraction in self.fractions {
+            ParameterError::unless_fraction("fractions", fraction)?;
+            sum += fraction;
+        }
+        if math::beyond(sum - 1.0, 1e-5) {
+            return Err(ParameterError { parameter: "fractions", reason: Reason::OutsideValidity });
+        }
+        if self.mixing_limit_s.is_nan() || self.mixing_limit_s <= 0.0 {
+            return Err(ParameterError { parameter: "mixing_limit_s", reason: Reason::NotPositive });
+        }
+        ParameterError::unless_not_negative("surface_kg_s_pa", self.surface_kg_s_pa)
+    }
+
+    pub(crate) fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(self.contents as u32);
+        hash.value(self.start_kg);
+        hash.values(&self.fractions);
+        hash.values(&[self.mixing_limit_s, self.surface_kg_s_pa]);
+    }
+}
+
+/// Figures that a volume stores: masses of all parts and energy.
+pub(super) const STORED: usize = PARTS + 1;
+/// Place of the energy among them.
+pub(super) const ENERGY: usize = PARTS;
+/// One row of what is stored, or of its carries.
+pub(super) type Stored = [f32; STORED];
+
+/// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass [kg];
+/// mass that came in and that went out in this step [kg]; φ.
+pub(super) type Figures = [f32; 6];
+
+/// A volume's state and what a step derives from it.
+pub(super) struct Held<'v> {
+    pub(super) value: &'v mut Stored,
+    pub(super) carry: &'v mut Stored,
+    pub(super) owed: &'v mut Stored,
+    pub(super) owed_carry: &'v mut Stored,
+    pub(super) net: &'v mut Stored,
+    pub(super) lost: &'v mut Stored,
+    pub(super) fractions: &'v mut Parts,
+    pub(super) figures: &'v mut Figures,
+}
+
+/// Constants of one volume that a step needs.
+#[derive(Clone, Copy)]
+pub(super) struct Constants<'c> {
+    pub(super) volume: &'c Volume,
+    pub(super) node: &'c Node,
+    pub(super) medium: &'c Medium,
+    pub(super) reference_k: f32,
+    pub(super) reference_pa: f32,
+}
+
+impl Constants<'_> {
+    /// Masses at the start [kg].
+    fn start_masses(&self) -> Parts {
+        let mut masses = self.volume.fractions;
+        for mass in &mut masses {
+            *mass *= self.volume.start_kg;
+        }
+        masses
+    }
+
+    /// Sets the figures of the start.
+    pub(super) fn start(&self, fractions: &mut Parts, figures: &mut Figures) {
+        *fractions = self.volume.fractions;
+        let pressure = self.reference_pa + self.node.start_gauge_pa;
+        let theta = self.node.temperature_k - self.reference_k;
+        *figures = [theta, pressure, self.volume.start_kg, 0.0, 0.0, 1.0];
+    }
+
+    /// Stores what arrived, and derives fractions, temperature and pressure. Returns the gauge pressure [Pa] of a gas
+    /// volume; `None` for what is held or liquid, whose pressure is the flow method's alone.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
+    pub(super) fn update(&self, held: &mut Held<'_>) -> Option<f32> {
+        let [theta, pressure, mass, inward, outward, phi] = held.figures;
+        let passed = math::larger(*inward, *outward);
+        *phi = if passed > *mass { *mass / passed } else { 1.0 };
+        (*inward, *outward) = (0.0, 0.0);
+        if *phi < 1.0 {
+            store_part(held.value, held.carry, held.net, held.lost, *phi);
+            store_part(held.owed, held.owed_carry, held.net, held.lost, 1.0 - *phi);
+        } else {
+            for place in 0..STORED {
+                held.carry[place] += held.lost[place];
+                math::compensated_add(&mut held.value[place], &mut held.carry[place], held.net[place]);
+            }
+        }
+        (*held.net, *held.lost) = ([0.0; STORED], [0.0; STORED]);
+        if self.node.kind == NodeKind::Boundary {
+            return None;
+        }
+        let mut change = [0.0; PARTS];
+        for (change, value) in change.iter_mut().zip(&*held.value) {
+            *change = *value;
+        }
+        let start = self.start_masses();
+        let mut masses = start;
+        let mut sum = 0.0;
+        for (mass, change) in masses.iter_mut().zip(&change) {
+            *mass += change;
+            sum += *mass;
+        }
+        *mass = sum;
+        let per_mass = 1.0 / sum;
+        for (fraction, mass) in held.fractions.iter_mut().zip(&masses) {
+            *fraction = *mass * per_mass;
+        }
+        let medium = self.medium;
+        let start_theta = self.node.temperature_k - self.reference_k;
+        let capacity = dot(&masses, &medium.resting_j_kg_k);
+        let offset = dot(&change, &medium.offset_j_kg);
+        let grown = dot(&change, &medium.resting_j_kg_k);
+        let rise = (held.value[ENERGY] + (offset - grown * start_theta)) / capacity;
+        *theta = start_theta + rise;
+        let NodeKind::Cabin { volume_m3 } = self.node.kind else { return None };
+        let gas = dot(&masses, &medium.gas_j_kg_k);
+        let gas_change = dot(&change, &medium.gas_j_kg_k);
+        let swing = (gas_change * self.node.temperature_k + gas * rise) / volume_m3;
+        let gauge = self.node.start_gauge_pa + swing;
+        *pressure = self.reference_pa + gauge;
+        Some(gauge)
+    }
+}
+
+/// Adds the share `part` of what arrived.
+fn store_part(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored, part: f32) {
+    for place in 0..STORED {
+        carry[place] += part * lost[place];
+        math::compensated_add(&mut value[place], &mut carry[place], part * net[place]);
+    }
+}
+
+/// Vapour that free water gives to the air within `step_s` [kg]; negative where vapour above saturation condenses.
+#[inline]
+pub(super) fn evaporated_kg(
+    volume: &Volume,
+    figures: &Figures,
+    fractions: &Parts,
+    reference_k: f32,
+    step_s: f32,
+) -> f32 {
+    let [theta, pressure, mass, ..] = *figures;
+    let vapour = partial_pressure_pa(VAPOUR, fractions, pressure);
+    let deficit = moist::saturation_pressure_pa(reference_k + theta) - vapour;
+    math::smaller(volume.surface_kg_s_pa * deficit * step_s, mass * fractions[LIQUID])
+}
+
+/// Partial pressure of a part [Pa] from mass fractions.
+#[inline]
+pub(super) fn partial_pressure_pa(part: usize, fractions: &Parts, pressure_pa: f32) -> f32 {
+    let gas = &super::medium::GAS_CONSTANTS_J_KG_K;
+    let (own, constant) =
+        (fractions.get(part).copied().unwrap_or(0.0), gas.get(part).copied().unwrap_or(0.0));
+    pressure_pa * own * constant / dot(fractions, gas)
+}
+
+/// What a volume of air shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Readings {
+    /// Temperature [K].
+    pub temperature_k: f32,
+    /// Absolute pressure [Pa].
+    pub pressure_pa: f32,
+    /// Partial pressures of the gases, in the order of the parts [Pa].
+    pub partial_pa: Parts,
+    /// Dew point [K].
+    pub dew_point_k: f32,
+    /// Relative humidity [1].
+    pub relative_humidity: f32,
+    /// Free liquid water [kg].
+    pub liquid_kg: f32,
+    /// Time in which what flows in turns the volume over [s]; infinite without flow.
+    pub turnover_s: f32,
+    /// Whether a single well-mixed volume still describes it.
+    pub mixed: bool,
+}
+
+impl Readings {
+    pub(super) fn of(
+        volume: &Volume,
+        figures: &Figures,
+        fractions: &Parts,
+        reference_k: f32,
+        inflow_kg_s: f32,
+    ) -> Self {
+        let [theta, pressure, mass, ..] = *figures;
+        let mut partial_pa = [0.0; PARTS];
+        for (part, partial) in partial_pa.iter_mut().enumerate() {
+            *partial = partial_pressure_pa(part, fractions, pressure);
+        }
+        let temperature_k = reference_k + theta;
+        let turnover_s = if inflow_kg_s > 0.0 { mass / inflow_kg_s } else { f32::INFINITY };
+        Self {
+            temperature_k,
+            pressure_pa: pressure,
+            partial_pa,
+            dew_point_k: moist::dew_point_k(partial_pa[VAPOUR]),
+            relative_humidity: moist::relative_humidity(partial_pa[VAPOUR], temperature_k),
+            liquid_kg: mass * fractions[LIQUID],
+            turnover_s,
+            mixed: turnover_s <= volume.mixing_limit_s,
+        }
+    }
+}
