@@ -207,3 +207,114 @@ fn ledgers_of_a_day_close() {
         });
     }
 }
+
+#[test]
+fn a_well_mixed_volume_follows_its_exact_exponentials() {
+    let mut cabin = Cabin::new(97.71, 295.35, 1_100.0);
+    cabin.volumes[0].surface_kg_s_pa = 0.0;
+    cabin.inputs[SPEED] = 0.0;
+    // Carbon dioxide: dm/dt = S − Q·m/V.
+    let (supply, flow, volume) = (7e-5f64, 0.02f64, 97.71f64);
+    cabin.removers.push(Remover { node: 0, part: medium::CARBON_DIOXIDE as u32, first_input: REMOVER as u32 });
+    cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = supply as f32;
+    cabin.inputs[REMOVER] = flow as f32;
+    let gas = f64::from(medium::GAS_CONSTANTS_J_KG_K[medium::CARBON_DIOXIDE]);
+    let start = 400.0 * volume / (gas * 295.35);
+    cabin.run(Method::ImplicitEuler, 10_000, |simulator| {
+        for hour in 1..=3 {
+            for _ in 0..360_000 {
+                simulator.step();
+            }
+            let time = 3_600.0 * f64::from(hour);
+            let rest = supply * volume / flow;
+            let exact = rest + (start - rest) * (-flow / volume * time).exp();
+            let air = simulator.air(0).unwrap();
+            let mass = f64::from(air.partial_pa[medium::CARBON_DIOXIDE]) * volume
+                / (gas * f64::from(air.temperature_k));
+            println!("after {hour} h: {mass} kg against {exact}");
+            assert!((mass / exact - 1.0).abs() < 1e-4, "{mass} {exact}");
+        }
+    });
+
+    // Temperature of a closed volume behind a wall that nothing moves: C·dT/dt = G·(T_w − T), C = Σ m·c_v.
+    let mut cabin = Cabin::new(97.71, 295.35, 1_100.0);
+    cabin.volumes[0].surface_kg_s_pa = 0.0;
+    cabin.inputs[SPEED] = 0.0;
+    cabin.walls.push(Wall {
+        node: 0,
+        capacity_j_k: 1e12,
+        inner_w_k: 40.0,
+        outer_w_k: 0.0,
+        start_k: 303.15,
+        first_input: WALL as u32,
+    });
+    let capacity =
+        f64::from(cabin.volumes[0].start_kg * medium::dot(&cabin.volumes[0].fractions, &Medium::air(REFERENCE_K).resting_j_kg_k));
+    cabin.run(Method::ImplicitEuler, 10_000, |simulator| {
+        for step in 1..=4 {
+            for _ in 0..50_000 {
+                simulator.step();
+            }
+            let exact = 303.15 - 7.8 * (-40.0 / capacity * 500.0 * f64::from(step)).exp();
+            let air = simulator.air(0).unwrap();
+            let rise = (f64::from(air.temperature_k) - 295.35) / (exact - 295.35);
+            println!("{} K against {exact}", air.temperature_k);
+            assert!((rise - 1.0).abs() < 1e-4, "{rise}");
+            // The volume is closed: p/T stays.
+            let ratio = air.pressure_pa / PRESSURE_PA / (air.temperature_k / 295.35);
+            assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+        }
+    });
+}
+
+#[test]
+fn the_cabin_of_the_cdra_test_goes_to_its_analytic_state_of_rest() {
+    // Knox, SAE 2000-01-2345, through V-HAB: 97.71 m³ at 65 °F; 6.6 lb/d of carbon dioxide, 12 lb/d of water, 940 W of
+    // dry heat, coolant at 277.594 K. Removal of carbon dioxide is idealised [assumed: 0.0115 m³/s, all of it taken].
+    let pound_a_day = 0.453_592_37 / 86_400.0;
+    let (carbon_dioxide, water, flow) = (6.6 * pound_a_day, 12.0 * pound_a_day, 0.0115f64);
+    let mut cabin = Cabin::new(97.71, 291.483, 900.0).with_exchanger();
+    cabin.removers.push(Remover { node: 0, part: medium::CARBON_DIOXIDE as u32, first_input: REMOVER as u32 });
+    cabin.inputs[SOURCE] = 940.0;
+    cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = carbon_dioxide as f32;
+    cabin.inputs[SOURCE + 1 + medium::VAPOUR] = water as f32;
+    cabin.inputs[REMOVER] = flow as f32;
+    cabin.inputs[EXCHANGER] = 1.0;
+    cabin.inputs[EXCHANGER + 2] = 277.594;
+    cabin.run(Method::ImplicitEuler, 50_000, |simulator| {
+        for _ in 0..20 * 72_000 {
+            simulator.step();
+        }
+        let air = simulator.air(0).unwrap();
+        let exchanger = simulator.exchanger(0).unwrap();
+        println!("{air:?}\n{exchanger:?}");
+        let gas = f64::from(medium::GAS_CONSTANTS_J_KG_K[medium::CARBON_DIOXIDE]);
+        let partial = carbon_dioxide * gas * f64::from(air.temperature_k) / flow;
+        let shown = f64::from(air.partial_pa[medium::CARBON_DIOXIDE]);
+        assert!((shown / partial - 1.0).abs() < 1e-3, "{shown} Pa against {partial}");
+        let condensate = f64::from(exchanger.condensate_kg_s);
+        assert!((condensate / water - 1.0).abs() < 1e-3, "{condensate} against {water}");
+        // Heat: dry load, fan, and what the vapour gives off on its way from the cabin's temperature to the walls'.
+        let latent = f64::from(moist::evaporation_enthalpy_j_kg(air.temperature_k));
+        let heat = 940.0 + 150.0 + water * latent;
+        let taken = f64::from(exchanger.coolant_w);
+        assert!((taken / heat - 1.0).abs() < 1e-3, "{taken} against {heat}");
+    });
+}
+
+#[test]
+fn without_ventilation_the_volume_says_that_it_is_not_mixed() {
+    let cabin = Cabin::new(97.71, 295.35, 1_100.0).with_exchanger();
+    cabin.run(Method::ImplicitEuler, 10_000, |simulator| {
+        for _ in 0..1_000 {
+            simulator.step();
+        }
+        assert!(simulator.air(0).unwrap().mixed);
+        assert!(simulator.set_input(SPEED, 0.0));
+        for _ in 0..12_000 {
+            simulator.step();
+        }
+        let air = simulator.air(0).unwrap();
+        assert!(!air.mixed && air.turnover_s > 1_800.0, "{air:?}");
+    });
+}
