@@ -18,6 +18,17 @@ pub fn compensated_add(sum: &mut f32, carry: &mut f32, increment: f32) {
     *sum = t;
 }
 
+/// Adds `increment` to `sum` and what that rounds off to `lost`, exactly whichever of the two is larger (Knuth's
+/// two-sum): `sum − lost` is the true sum.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "seven additions inside every line and volume")]
+pub fn exact_add(sum: &mut f32, lost: &mut f32, increment: f32) {
+    let t = *sum + increment;
+    let b = t - *sum;
+    *lost -= (*sum - (t - b)) + (increment - b);
+    *sum = t;
+}
+
 /// Returns the larger of two numbers, `b` where `a` is NaN; one compare and one select.
 ///
 /// `f32::max` would do the same but leaves the sign of a zero to the platform.

@@ -215,7 +215,11 @@ fn a_well_mixed_volume_follows_its_exact_exponentials() {
     cabin.inputs[SPEED] = 0.0;
     // Carbon dioxide: dm/dt = S − Q·m/V.
     let (supply, flow, volume) = (7e-5f64, 0.02f64, 97.71f64);
-    cabin.removers.push(Remover { node: 0, part: medium::CARBON_DIOXIDE as u32, first_input: REMOVER as u32 });
+    cabin.removers.push(Remover {
+        node: 0,
+        part: medium::CARBON_DIOXIDE as u32,
+        first_input: REMOVER as u32,
+    });
     cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = supply as f32;
     cabin.inputs[REMOVER] = flow as f32;
     let gas = f64::from(medium::GAS_CONSTANTS_J_KG_K[medium::CARBON_DIOXIDE]);
@@ -248,8 +252,10 @@ fn a_well_mixed_volume_follows_its_exact_exponentials() {
         start_k: 303.15,
         first_input: WALL as u32,
     });
-    let capacity =
-        f64::from(cabin.volumes[0].start_kg * medium::dot(&cabin.volumes[0].fractions, &Medium::air(REFERENCE_K).resting_j_kg_k));
+    let capacity = f64::from(
+        cabin.volumes[0].start_kg
+            * medium::dot(&cabin.volumes[0].fractions, &Medium::air(REFERENCE_K).resting_j_kg_k),
+    );
     cabin.run(Method::ImplicitEuler, 10_000, |simulator| {
         for step in 1..=4 {
             for _ in 0..50_000 {
@@ -274,7 +280,11 @@ fn the_cabin_of_the_cdra_test_goes_to_its_analytic_state_of_rest() {
     let pound_a_day = 0.453_592_37 / 86_400.0;
     let (carbon_dioxide, water, flow) = (6.6 * pound_a_day, 12.0 * pound_a_day, 0.0115f64);
     let mut cabin = Cabin::new(97.71, 291.483, 900.0).with_exchanger();
-    cabin.removers.push(Remover { node: 0, part: medium::CARBON_DIOXIDE as u32, first_input: REMOVER as u32 });
+    cabin.removers.push(Remover {
+        node: 0,
+        part: medium::CARBON_DIOXIDE as u32,
+        first_input: REMOVER as u32,
+    });
     cabin.inputs[SOURCE] = 940.0;
     cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = carbon_dioxide as f32;
     cabin.inputs[SOURCE + 1 + medium::VAPOUR] = water as f32;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use eclss_core::{Element, Health, Simulator};
-use eclss_network_file::{Quantity, Record};
+use eclss_network_file::{AirFigure, ExchangerFigure, Quantity, Record};
 
 use crate::plot::Point;
 
@@ -57,12 +57,40 @@ impl Figure {
             Self::Point(Quantity::LineFlow { line }) => simulator.line_flow_kg_s(line),
             Self::Point(Quantity::SegmentFlow { line, segment }) => of(line, segment).0,
             Self::Point(Quantity::OutletPressure { line, segment }) => of(line, segment).1,
-            Self::Point(Quantity::Input { slot }) => {
+            Self::Point(Quantity::Air { node, figure }) => read_air(simulator, node, figure),
+            Self::Point(Quantity::Exchanger { exchanger, figure }) => {
+                let Some(shown) = simulator.exchanger(exchanger) else { return f32::NAN };
+                match figure {
+                    ExchangerFigure::Heat => shown.heat_w,
+                    ExchangerFigure::CoolantHeat => shown.coolant_w,
+                    ExchangerFigure::Condensate => shown.condensate_kg_s,
+                    ExchangerFigure::AirOutlet => shown.air_outlet_k,
+                    ExchangerFigure::Film => shown.film_kg,
+                    ExchangerFigure::Separator => shown.separator_kg,
+                    ExchangerFigure::Tank => shown.tank_kg,
+                }
+            }
+            Self::Point(Quantity::Input { slot, .. }) => {
                 simulator.inputs().get(slot).copied().unwrap_or(f32::NAN)
             }
             Self::Phi => simulator.margin().phi,
             Self::SpectralBound => simulator.margin().spectral_bound,
         }
+    }
+}
+
+fn read_air<E: Element>(simulator: &Simulator<'_, E>, node: usize, figure: AirFigure) -> f32 {
+    if figure == AirFigure::Temperature {
+        return simulator.node_temperature_k(node);
+    }
+    let Some(air) = simulator.air(node) else { return f32::NAN };
+    match figure {
+        AirFigure::Temperature => air.temperature_k,
+        AirFigure::DewPoint => air.dew_point_k,
+        AirFigure::RelativeHumidity => air.relative_humidity,
+        AirFigure::Partial(part) => air.partial_pa.get(part).copied().unwrap_or(f32::NAN),
+        AirFigure::Liquid => air.liquid_kg,
+        AirFigure::Mixed => f32::from(u8::from(air.mixed)),
     }
 }
 
@@ -82,6 +110,14 @@ impl Column {
             Quantity::NodePressure { .. } | Quantity::OutletPressure { .. } => "_gauge_pa",
             Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. } => "_kg_s",
             Quantity::Input { .. } => "",
+            other => match other.unit() {
+                "K" => "_k",
+                "Pa" => "_pa",
+                "W" => "_w",
+                "kg" => "_kg",
+                "kg/s" => "_kg_s",
+                _ => "",
+            },
         };
         Self { name: format!("{}{unit}", record.name), figure: Figure::Point(record.quantity) }
     }

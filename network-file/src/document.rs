@@ -3,7 +3,11 @@
 //! Numbers are `f64` in the unit that their key names, as written. Reading is strict and done by
 //! [`crate::parse`]; writing is done here.
 
+pub mod air;
+
 use serde::Serialize;
+
+use self::air::{AirEntry, CoilEntry, ContentsEntry, ControlEntry, PartEntry, Starts};
 
 /// Schema version that this crate reads and writes.
 pub const SCHEMA: i64 = 1;
@@ -22,12 +26,30 @@ pub struct NetworkFile {
     pub reference_pressure_pa: f64,
     /// How the network is run when nothing else is said.
     pub run: Run,
+    /// Heat, moisture and composition; flows only when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub air: Option<AirEntry>,
     /// Nodes in file order.
     #[serde(rename = "node")]
     pub nodes: Vec<NodeEntry>,
     /// Lines in file order.
     #[serde(rename = "line")]
     pub lines: Vec<LineEntry>,
+    /// Heat and mass sources in file order.
+    #[serde(rename = "source", skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<PartEntry>,
+    /// Crews in file order.
+    #[serde(rename = "crew", skip_serializing_if = "Vec::is_empty")]
+    pub crews: Vec<PartEntry>,
+    /// Idealised removal in file order.
+    #[serde(rename = "remover", skip_serializing_if = "Vec::is_empty")]
+    pub removers: Vec<PartEntry>,
+    /// Walls in file order.
+    #[serde(rename = "wall", skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<PartEntry>,
+    /// Control loops in file order.
+    #[serde(rename = "control", skip_serializing_if = "Vec::is_empty")]
+    pub controls: Vec<ControlEntry>,
     /// Schedules in file order.
     #[serde(rename = "schedule", skip_serializing_if = "Vec::is_empty")]
     pub schedules: Vec<ScheduleEntry>,
@@ -66,11 +88,14 @@ pub struct NodeEntry {
     pub kind: NodeEntryKind,
     /// Absolute pressure at the start [Pa].
     pub pressure_pa: f64,
-    /// Gas temperature [K].
+    /// Temperature [K].
     pub temperature_k: f64,
     /// Column and row in drawings, both from 0; chosen by the drawing when absent. Not part of the network's id.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<(u32, u32)>,
+    /// What it holds, where there is `[air]`.
+    #[serde(flatten)]
+    pub contents: ContentsEntry,
 }
 
 /// Kinds of node.
@@ -81,6 +106,24 @@ pub enum NodeEntryKind {
     Cabin {
         /// Free gas volume [m³].
         volume_m3: f64,
+    },
+    /// A full volume of coolant.
+    Liquid {
+        /// Volume [m³].
+        volume_m3: f64,
+        /// Density [kg/m³].
+        density_kg_m3: f64,
+        /// Bulk modulus K, of liquid and walls together [Pa].
+        bulk_modulus_pa: f64,
+    },
+    /// A volume of coolant under a spring.
+    Accumulator {
+        /// Volume of coolant at the start [m³].
+        volume_m3: f64,
+        /// Density [kg/m³].
+        density_kg_m3: f64,
+        /// Stiffness of the spring dp/dV [Pa/m³].
+        stiffness_pa_m3: f64,
     },
     /// A point without volume where lines meet.
     Junction,
@@ -186,6 +229,32 @@ pub enum ElementKind {
         /// Share of the liquid that the separator takes out [1].
         separator_efficiency: f64,
     },
+    /// Condensing heat exchanger with walls, films and separator; needs `[air]`.
+    Condenser {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Everything else.
+        #[serde(flatten)]
+        coil: CoilEntry,
+    },
+    /// Coolant side of a condenser; needs `[air]`.
+    CoolantSide {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Id of the condenser.
+        condenser: String,
+    },
+    /// Heater, cold plate or heat load in a line; needs `[air]`.
+    Heater {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Start value of its power.
+        #[serde(flatten)]
+        starts: Starts,
+    },
     /// Adsorption bed.
     Bed {
         /// Its loss.
@@ -230,6 +299,9 @@ pub struct Machine {
     /// Speed at the start [1, 1 = rated]; 1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
+    /// Electric power at rated speed, which heats what it moves [W]; 0 when absent, needs `[air]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power_w: Option<f64>,
 }
 
 /// A head curve, given in one of two ways.

@@ -33,7 +33,11 @@ impl Conversion<'_> {
 
     fn element(&mut self) -> StdElement {
         match &self.entry.kind {
-            ElementKind::Pipe { loss } => {
+            // For the flow these are a loss; what else they do is the climate's.
+            ElementKind::Pipe { loss }
+            | ElementKind::Condenser { loss, .. }
+            | ElementKind::CoolantSide { loss, .. }
+            | ElementKind::Heater { loss, .. } => {
                 StdElement::Pipe(Pipe { resistance_pa_s2_kg2: self.resistance(loss) })
             }
             ElementKind::ReferencePipe { pressure_drop_pa, mass_flow_kg_s, exponent, density_kg_m3 } => {

@@ -17,6 +17,7 @@
 
 use std::fmt;
 
+use crate::document::air::ContentsEntry;
 use crate::document::{
     Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run,
     SCHEMA, ScheduleEntry,
@@ -145,6 +146,12 @@ pub fn generate(shape: Shape, nodes: usize, seed: u64) -> Result<NetworkFile, Si
             start: None,
             record: None,
         },
+        air: None,
+        sources: Vec::new(),
+        crews: Vec::new(),
+        removers: Vec::new(),
+        walls: Vec::new(),
+        controls: Vec::new(),
         nodes: (0..nodes).map(|node| module(node, nodes, &mut figures)).collect(),
         lines,
         schedules: vec![ScheduleEntry {
@@ -169,7 +176,8 @@ fn module(node: usize, nodes: usize, figures: &mut Figures) -> NodeEntry {
     } else {
         (NodeEntryKind::Cabin { volume_m3: figures.between(20.0, 200.0) }, MODULE_PA)
     };
-    NodeEntry { id: id_of(node), kind, pressure_pa, temperature_k: TEMPERATURE_K, position: None }
+    let contents = ContentsEntry::default();
+    NodeEntry { id: id_of(node), kind, pressure_pa, temperature_k: TEMPERATURE_K, position: None, contents }
 }
 
 /// Duct and valve.
@@ -194,7 +202,7 @@ fn driven(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> Li
         linear_pa_s_kg: None,
         quadratic_pa_s2_kg2: figures.between(5e3, 2e4),
     };
-    let fan = ElementKind::Fan(Machine { curve, speed: None });
+    let fan = ElementKind::Fan(Machine { curve, speed: None, power_w: None });
     line(
         format!("fan_line{index}"),
         (to, from),

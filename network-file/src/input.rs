@@ -14,11 +14,18 @@ pub(crate) struct Slot {
     /// Name as in `valve.opening`.
     pub(crate) name: String,
     /// Range and default.
-    spec: InputSpec,
+    pub(crate) spec: InputSpec,
     /// Value at the start, where the file gives one.
     start: Option<f64>,
     /// Path of the element's table.
     path: String,
+}
+
+impl Slot {
+    /// A slot of the thing `id` whose table is at `path`.
+    pub(crate) fn new(id: &str, spec: InputSpec, start: Option<f64>, path: &str) -> Self {
+        Self { name: format!("{id}.{}", spec.name), spec, start, path: path.to_owned() }
+    }
 }
 
 /// Adds the slots of one element.
@@ -29,10 +36,7 @@ pub(crate) fn slots_of(element: &StdElement, entry: &ElementEntry, path: &str, s
         _ => None,
     };
     let specs = (0..).map_while(|index| element.input_spec(index));
-    slots.extend(specs.map(|spec| {
-        let name = format!("{}.{}", entry.id, spec.name);
-        Slot { name, spec, start, path: path.to_owned() }
-    }));
+    slots.extend(specs.map(|spec| Slot::new(&entry.id, spec, start, path)));
 }
 
 /// Start values, schedules and points.

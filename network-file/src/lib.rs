@@ -66,10 +66,10 @@ use std::path::Path;
 pub use document::NetworkFile;
 pub use duration::{DurationError, duration_us};
 pub use error::{FileError, Problem};
-pub use loaded::{Loaded, Names, RunDefaults};
+pub use loaded::{ClimateTables, Loaded, Names, RunDefaults};
 pub use plan::PlanTables;
 pub use process::{InputEntry, OutputEntry, ProcessTables, Scales};
-pub use record::{Quantity, Record};
+pub use record::{AirFigure, ExchangerFigure, Quantity, Record};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.
 pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {

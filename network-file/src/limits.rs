@@ -129,6 +129,51 @@ pub const FLOW_EXPONENT: Range = range(1.0, 2.0, "1");
 pub const SPEED: Range = range(0.0, 2.0, "1");
 /// Times of a schedule.
 pub const TIME: Range = range(0.0, 1e9, "s");
+/// Times of which there must be some.
+pub const SOME_TIME: Range = range(1e-6, 1e9, "s");
+/// Rates of change of a ratio.
+pub const RATE: Range = range(1e-9, 1e9, "1/s");
+/// Temperatures for which moist air is known.
+pub const MOIST_TEMPERATURE: Range = range(273.15, 333.15, "K");
+/// Specific heats.
+pub const SPECIFIC_HEAT: Range = range(100.0, 1e5, "J/(kg·K)");
+/// Heat capacities.
+pub const HEAT_CAPACITY: Range = range(1e-3, 1e15, "J/K");
+/// Conductances.
+pub const CONDUCTANCE: Range = range(0.0, 1e9, "W/K");
+/// Conductances of which there must be some.
+pub const SOME_CONDUCTANCE: Range = range(1e-6, 1e9, "W/K");
+/// Masses of which there must be some.
+pub const SOME_MASS: Range = range(1e-9, 1e6, "kg");
+/// Electric powers.
+pub const POWER: Range = range(0.0, 1e6, "W");
+/// Bulk moduli of liquids.
+pub const BULK_MODULUS: Range = range(1e3, 1e12, "Pa");
+/// Stiffness of an accumulator's spring.
+pub const STIFFNESS: Range = range(1.0, 1e15, "Pa/m³");
+/// Seeds.
+pub const SEED: Range = range(0.0, 16_777_215.0, "1");
+/// Most sources, crews, removers, walls and control loops, each.
+pub const PARTS: usize = 4_096;
+/// Reference temperature of energies when the file does not say [K].
+pub const REFERENCE_K: f64 = 295.15;
+/// Longest turnover of a mixed volume when the file does not say [s] (assumed: half an hour).
+pub const MIXING_LIMIT_S: f64 = 1_800.0;
+/// Evaporation of free water when the file does not say [kg/(s·Pa)] (assumed: about 1 m² of wet surface).
+pub const SURFACE_KG_S_PA: f64 = 2e-8;
+
+/// Water that a separator holds when the file does not say [kg] (assumed).
+pub const SEPARATOR_KG: f64 = 2.0;
+/// Time between two discharges of condensate when the file does not say [s]: about 75 min (V-HAB).
+pub const DISCHARGE_S: f64 = 4_500.0;
+/// Water that a separator loses at once when the file does not say [kg] (assumed).
+pub const SLUG_KG: f64 = 0.05;
+
+/// Range of an input.
+pub fn of(spec: &eclss_core::InputSpec) -> Range {
+    range(f64::from(spec.min), f64::from(spec.max), spec.unit)
+}
+
 /// Values of a schedule, before the input's own range is known.
 pub const ANY: Range = range(f64::MIN, f64::MAX, "1");
 /// Time constants of filters.

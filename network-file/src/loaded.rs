@@ -1,6 +1,8 @@
 //! A file that was accepted: the document and the tables that the core runs on.
 
-use eclss_core::{Active, Line, Method, Network, Node, Schedule, SchedulePoint, Segment};
+use eclss_core::climate::medium::Medium;
+use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Station, Volume, Wall};
+use eclss_core::{Active, Climate, Line, Method, Network, Node, Schedule, SchedulePoint, Segment};
 
 use crate::document::NetworkFile;
 use crate::plan::PlanTables;
@@ -14,6 +16,10 @@ pub struct Loaded {
     pub file: NetworkFile,
     /// Ids by the core's indices.
     pub names: Names,
+    /// Units of the input slots.
+    pub units: Vec<&'static str>,
+    /// Heat, moisture, composition and control.
+    pub climate: ClimateTables,
     /// How the network is run when nothing else is said.
     pub run: RunDefaults,
     /// What a run writes down, in the order of the file, else everything.
@@ -51,6 +57,76 @@ pub struct Names {
     pub segments: Vec<String>,
     /// Names of the input slots, as in `valve.opening`.
     pub inputs: Vec<String>,
+    /// Ids of the condensers.
+    pub exchangers: Vec<String>,
+}
+
+/// The tables of a climate; without volumes there is none.
+#[derive(Debug, Clone)]
+pub struct ClimateTables {
+    /// Temperature from which energies count [K].
+    pub reference_k: f32,
+    /// Air at that temperature.
+    pub air: Medium,
+    /// The coolant.
+    pub coolant: Medium,
+    /// What every node holds.
+    pub volumes: Vec<Volume>,
+    /// What streams meet.
+    pub stations: Vec<Station>,
+    /// Condensing heat exchangers.
+    pub exchangers: Vec<Exchanger>,
+    /// Their ids.
+    pub exchanger_names: Vec<String>,
+    /// Sources.
+    pub sources: Vec<Source>,
+    /// Crews.
+    pub crews: Vec<Crew>,
+    /// Removers.
+    pub removers: Vec<Remover>,
+    /// Walls.
+    pub walls: Vec<Wall>,
+    /// Control loops.
+    pub loops: Vec<ControlLoop>,
+}
+
+impl Default for ClimateTables {
+    fn default() -> Self {
+        let Climate { reference_k, air, coolant, .. } = Climate::NONE;
+        Self {
+            reference_k,
+            air,
+            coolant,
+            volumes: Vec::new(),
+            stations: Vec::new(),
+            exchangers: Vec::new(),
+            exchanger_names: Vec::new(),
+            sources: Vec::new(),
+            crews: Vec::new(),
+            removers: Vec::new(),
+            walls: Vec::new(),
+            loops: Vec::new(),
+        }
+    }
+}
+
+impl ClimateTables {
+    /// Lends the tables as the core takes them.
+    pub fn climate(&self) -> Climate<'_> {
+        Climate {
+            reference_k: self.reference_k,
+            air: self.air,
+            coolant: self.coolant,
+            volumes: &self.volumes,
+            stations: &self.stations,
+            exchangers: &self.exchangers,
+            sources: &self.sources,
+            crews: &self.crews,
+            removers: &self.removers,
+            walls: &self.walls,
+            loops: &self.loops,
+        }
+    }
 }
 
 /// What `[run]` says.
@@ -77,6 +153,7 @@ impl Loaded {
             schedules: &self.schedules,
             points: &self.points,
             plan: self.plan.plan(),
+            climate: self.climate.climate(),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! From the document to the core's tables: references, densities, slots, and the core's own checks.
 
+mod climate;
+
 use std::collections::{HashMap, HashSet};
 
 use eclss_core::element::Operating;
@@ -34,21 +36,27 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         let most = limits::ELEMENTS;
         notes.refuse_at("line", &[], format!("{elements} elements in all lines, at most {most} are allowed"));
     }
+    let climate = climate::climate(&file, &mut tables, notes);
     let driven = input::drive(&file, &tables.slots, notes);
     let names = Names {
         nodes: file.nodes.iter().map(|node| node.id.clone()).collect(),
         lines: file.lines.iter().map(|line| line.id.clone()).collect(),
         segments: tables.names,
-        inputs: tables.slots.into_iter().map(|slot| slot.name).collect(),
+        inputs: tables.slots.iter().map(|slot| slot.name.clone()).collect(),
+        exchangers: climate.exchanger_names.clone(),
     };
-    let all = record::all(&names, &tables.lines);
-    let process = process::lower(&file, &all, &process::specs(&tables.segments), notes);
+    let units: Vec<&'static str> = tables.slots.iter().map(|slot| slot.spec.unit).collect();
+    let all = record::all(&names, &tables.lines, &climate.volumes, &units);
+    let specs: Vec<_> = tables.slots.iter().map(|slot| slot.spec).collect();
+    let process = process::lower(&file, &all, &specs, notes);
     let records = records(&file, all, notes);
     if !notes.findings.is_empty() {
         return None;
     }
     let mut loaded = Loaded {
         names,
+        units,
+        climate,
         run,
         records,
         reference_pa: file.reference_pressure_pa as f32,
@@ -84,7 +92,7 @@ impl<'f> Ids<'f> {
         let mut see = |id: &'f str, path: String| {
             if let Some(first) = seen.get(id) {
                 let at = notes.place(&path, &["id"]);
-                let help = "ids are unique among nodes, lines and elements together";
+                let help = "ids are unique among nodes, lines, elements and everything else together";
                 notes.refuse_with(at, format!("id `{id}` is taken already by {first}"), help);
             } else {
                 seen.insert(id, path);
@@ -98,6 +106,19 @@ impl<'f> Ids<'f> {
             for (place, element) in line.elements.iter().enumerate() {
                 see(&element.id, format!("line[{index}].element[{place}]"));
             }
+        }
+        for (kind, parts) in [
+            ("source", &file.sources),
+            ("crew", &file.crews),
+            ("remover", &file.removers),
+            ("wall", &file.walls),
+        ] {
+            for (index, part) in parts.iter().enumerate() {
+                see(&part.id, format!("{kind}[{index}]"));
+            }
+        }
+        for (index, control) in file.controls.iter().enumerate() {
+            see(&control.id, format!("control[{index}]"));
         }
         Self { nodes: file.nodes.iter().enumerate().map(|(index, node)| (node.id.as_str(), index)).collect() }
     }
@@ -120,6 +141,12 @@ fn nodes(file: &NetworkFile, notes: &mut Notes) -> Vec<Node> {
         let node = Node {
             kind: match entry.kind {
                 NodeEntryKind::Cabin { volume_m3 } => NodeKind::Cabin { volume_m3: volume_m3 as f32 },
+                NodeEntryKind::Liquid { volume_m3, density_kg_m3, bulk_modulus_pa } => {
+                    NodeKind::Liquid { capacity_kg_pa: (volume_m3 * density_kg_m3 / bulk_modulus_pa) as f32 }
+                }
+                NodeEntryKind::Accumulator { density_kg_m3, stiffness_pa_m3, .. } => {
+                    NodeKind::Liquid { capacity_kg_pa: (density_kg_m3 / stiffness_pa_m3) as f32 }
+                }
                 NodeEntryKind::Junction => NodeKind::Junction,
                 NodeEntryKind::Boundary => NodeKind::Boundary,
             },
@@ -214,7 +241,13 @@ fn pressure(file: &NetworkFile, node: Option<usize>) -> f64 {
 fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>) -> f64 {
     let of_node = || {
         let node = file.nodes.get(from?)?;
-        Some(node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k))
+        Some(match node.kind {
+            NodeEntryKind::Liquid { density_kg_m3, .. }
+            | NodeEntryKind::Accumulator { density_kg_m3, .. } => density_kg_m3,
+            NodeEntryKind::Cabin { .. } | NodeEntryKind::Junction | NodeEntryKind::Boundary => {
+                node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k)
+            }
+        })
     };
     line.reference_density_kg_m3.or_else(of_node).unwrap_or(1.0)
 }
@@ -312,6 +345,8 @@ fn core_checks(loaded: &Loaded, notes: &mut Notes) {
         reason::network(loaded, error, notes);
     } else if let Err(error) = loaded.run.method.check(&network, loaded.run.step_us) {
         reason::method(loaded, error, notes);
+    } else if let Err(error) = network.climate.check(&network, loaded.run.step_us) {
+        reason::climate(loaded, error, notes);
     } else if let Some(nodes) = crate::steady::floating(&network) {
         reason::floating(loaded, &nodes, notes);
     }

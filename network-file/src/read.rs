@@ -1,7 +1,10 @@
 //! From TOML text to the document: keys, types, ranges.
 
+mod air;
+
 use std::ops::Range as Span;
 
+use eclss_core::climate::parts;
 use toml::de::{DeTable, DeValue};
 
 use crate::channel;
@@ -15,9 +18,20 @@ use crate::number::number;
 use crate::table::Table;
 
 /// Kinds of node and of element, as written.
-const NODE_KINDS: [&str; 3] = ["cabin", "junction", "boundary"];
-const ELEMENT_KINDS: [&str; 8] =
-    ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed", "measured"];
+const NODE_KINDS: [&str; 5] = ["cabin", "liquid", "accumulator", "junction", "boundary"];
+const ELEMENT_KINDS: [&str; 11] = [
+    "pipe",
+    "reference_pipe",
+    "valve",
+    "fan",
+    "pump",
+    "heat_exchanger",
+    "bed",
+    "condenser",
+    "coolant_side",
+    "heater",
+    "measured",
+];
 
 /// Reads the whole text; the document counts only if there are no findings.
 pub(crate) fn read(text: &str, notes: &mut Notes) -> Option<NetworkFile> {
@@ -56,19 +70,26 @@ fn read_file(root: &mut Table<'_, '_>) -> Option<NetworkFile> {
     let schedules = root.tables("schedule", 0..=limits::SCHEDULES, |table| Some(read_schedule(table)));
     let process = root.table("process", channel::read_process);
     let channels = root.tables("channel", 0..=2 * limits::CHANNELS, channel::read_channel);
-    let schema = SCHEMA;
-    Some(NetworkFile {
-        schema,
+    let mut file = NetworkFile {
+        schema: SCHEMA,
         name,
         title,
         reference_pressure_pa,
         run,
+        air: None,
         nodes,
         lines,
+        sources: Vec::new(),
+        crews: Vec::new(),
+        removers: Vec::new(),
+        walls: Vec::new(),
+        controls: Vec::new(),
         schedules,
         process,
         channels,
-    })
+    };
+    air::read_parts(root, &mut file);
+    Some(file)
 }
 
 fn default_run() -> Run {
@@ -103,12 +124,24 @@ fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
     let id = node.need_id("id");
     let kind = match node.need_kind("kind", &NODE_KINDS)?.as_str() {
         "cabin" => NodeEntryKind::Cabin { volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME) },
+        "liquid" => NodeEntryKind::Liquid {
+            volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME),
+            density_kg_m3: node.need_number("density_kg_m3", &limits::DENSITY),
+            bulk_modulus_pa: node.need_number("bulk_modulus_pa", &limits::BULK_MODULUS),
+        },
+        "accumulator" => NodeEntryKind::Accumulator {
+            volume_m3: node.need_number("volume_m3", &limits::NODE_VOLUME),
+            density_kg_m3: node.need_number("density_kg_m3", &limits::DENSITY),
+            stiffness_pa_m3: node.need_number("stiffness_pa_m3", &limits::STIFFNESS),
+        },
         "junction" => NodeEntryKind::Junction,
         _ => NodeEntryKind::Boundary,
     };
     let pressure_pa = node.need_number("pressure_pa", &limits::PRESSURE);
     let temperature_k = node.need_number("temperature_k", &limits::TEMPERATURE);
-    Some(NodeEntry { id, kind, pressure_pa, temperature_k, position: read_position(node) })
+    let position = read_position(node);
+    let contents = air::read_contents(node);
+    Some(NodeEntry { id, kind, pressure_pa, temperature_k, position, contents })
 }
 
 /// Column and row of a node in drawings.
@@ -166,6 +199,14 @@ fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
             largest_flow_kg_s: element.need_number("largest_flow_kg_s", &limits::MEASURED_FLOW),
             slope_kg_s_pa: element.need_number("slope_kg_s_pa", &limits::MEASURED_SLOPE),
         },
+        "condenser" => ElementKind::Condenser { loss: read_loss(element), coil: air::read_coil(element) },
+        "coolant_side" => {
+            ElementKind::CoolantSide { loss: read_loss(element), condenser: element.need_text("condenser") }
+        }
+        "heater" => {
+            let loss = read_loss(element);
+            ElementKind::Heater { loss, starts: air::starts(element, &[parts::HEATER_INPUT]) }
+        }
         _ => ElementKind::Bed {
             loss: read_loss(element),
             mass_fraction: element.need_number("mass_fraction", &limits::FRACTION),
@@ -213,7 +254,11 @@ fn read_machine(element: &mut Table<'_, '_>) -> Machine {
             quadratic_pa_s2_kg2: element.need_number("quadratic_pa_s2_kg2", &limits::SOME_RESISTANCE),
         }
     };
-    Machine { curve, speed: element.number("speed", &limits::SPEED) }
+    Machine {
+        curve,
+        speed: element.number("speed", &limits::SPEED),
+        power_w: element.number("power_w", &limits::POWER),
+    }
 }
 
 fn read_schedule(schedule: &mut Table<'_, '_>) -> ScheduleEntry {

@@ -1,5 +1,6 @@
 //! The core's errors in the words and at the places of the file.
 
+use eclss_core::climate::ClimateError;
 use eclss_core::{MethodError, NetworkError, ParameterError, Reason};
 
 use crate::loaded::Loaded;
@@ -157,8 +158,82 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
             format!("has neither inertance nor a loss at rest, so method {method} finds no flow"),
             "give it a length, or its line a laminar limit",
         ),
+        MethodError::Liquid(index) => (
+            format!("node[{index}]"),
+            &["kind"],
+            format!("method {method} moves gas only, this node is liquid"),
+            "take an implicit method in [run]",
+        ),
+        MethodError::Climate => (
+            "run".into(),
+            &["method"],
+            format!("the flows of method {method} are pseudo-time; heat and moisture need physical ones"),
+            "take adaptive or an implicit method in [run]",
+        ),
         MethodError::Plan(error) => ("run".into(), &["method"], format!("internal: {error:?}"), ""),
     };
     let span = notes.place(&path, keys);
     notes.refuse_with(span, reason, help);
+}
+
+/// Ties an error of the climate's check to its place.
+pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
+    let part = |kind: &str, index: u32| format!("{kind}[{index}]");
+    let exchanger = |index: u32| {
+        let name = loaded.names.exchangers.get(index as usize);
+        let segment = loaded.names.segments.iter().position(|id| Some(id) == name).unwrap_or(0);
+        element_path(loaded, segment as u32)
+    };
+    let (path, keys, reason): (String, &[&str], String) = match error {
+        ClimateError::Volume(index, error) => {
+            (part("node", index), &["volume_m3", "pressure_pa"], text(error))
+        }
+        ClimateError::Junction(index) => {
+            (part("node", index), &["kind"], "has no volume for its contents".into())
+        }
+        ClimateError::Media(index) => {
+            (part("line", index), &["from", "to"], "joins air and coolant, which do not mix".into())
+        }
+        ClimateError::InnerVolume(index) => (
+            element_path(loaded, index),
+            &["outlet_volume_m3", "length_m"],
+            "has a volume inside its line; with `[air]` volumes are nodes: set outlet_volume_m3 = 0".into(),
+        ),
+        ClimateError::Removal(index) => (
+            element_path(loaded, index),
+            &["liquid_fraction", "capture_efficiency"],
+            "takes out a fixed share; with `[air]` use a condenser or a remover".into(),
+        ),
+        ClimateError::Exchanger(index, error) => {
+            (exchanger(index), &[error.parameter], format!("{} for this step", text(error)))
+        }
+        ClimateError::ExchangerSides(index) => (
+            exchanger(index),
+            &["id"],
+            "needs one air side, at most one coolant side, and air behind it".into(),
+        ),
+        ClimateError::Wall(index, error) => {
+            (part("wall", index), &[error.parameter], format!("{} for this step", text(error)))
+        }
+        ClimateError::Loop(index, error) => (part("control", index), &[error.parameter], text(error)),
+        ClimateError::LoopTarget(index) => (
+            part("control", index),
+            &["drives", "opposite"],
+            "drives what does not exist, or what something else drives already".into(),
+        ),
+        ClimateError::Station(index) => {
+            let segment = loaded.climate.stations.get(index as usize).map_or(0, |station| station.segment);
+            (element_path(loaded, segment), &["kind"], "stands in a line of the wrong medium".into())
+        }
+        ClimateError::Source(index) => (part("source", index), &["node"], "needs a node of air".into()),
+        ClimateError::Crew(index) => (part("crew", index), &["node"], "needs a node of air".into()),
+        ClimateError::Remover(index) => (part("remover", index), &["node"], "needs a node of air".into()),
+        ClimateError::WallNode(index) => (part("wall", index), &["node"], "needs a node".into()),
+        ClimateError::Input(slot) => {
+            let name = loaded.names.inputs.get(slot as usize).cloned().unwrap_or_default();
+            (String::new(), &["air"], format!("the start value of `{name}` is out of its range"))
+        }
+        ClimateError::Volumes => (String::new(), &["air"], format!("internal: {error:?}")),
+    };
+    notes.refuse_at(&path, keys, reason);
 }

@@ -2,6 +2,7 @@
 
 use crate::loaded::{Loaded, Names};
 use eclss_core::Line;
+use eclss_core::climate::{Contents, Volume, medium};
 
 /// One column of a run's output.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,20 +40,135 @@ pub enum Quantity {
         /// The segment, counted from the line's first.
         segment: usize,
     },
+    /// A figure of a volume, where there is `[air]`.
+    Air {
+        /// The node.
+        node: usize,
+        /// The figure.
+        figure: AirFigure,
+    },
+    /// A figure of a condenser.
+    Exchanger {
+        /// The condenser.
+        exchanger: usize,
+        /// The figure.
+        figure: ExchangerFigure,
+    },
     /// Value of an input, in the input's unit.
     Input {
         /// The slot.
         slot: usize,
+        /// The unit.
+        unit: &'static str,
     },
 }
 
+/// Figures of a volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AirFigure {
+    /// Temperature [K].
+    Temperature,
+    /// Dew point [K].
+    DewPoint,
+    /// Relative humidity [1].
+    RelativeHumidity,
+    /// Partial pressure of a part [Pa].
+    Partial(usize),
+    /// Free liquid water [kg].
+    Liquid,
+    /// Whether the volume counts as mixed, 1 or 0.
+    Mixed,
+}
+
+impl AirFigure {
+    /// All that a volume of air has.
+    const OF_AIR: [Self; 9] = [
+        Self::Temperature,
+        Self::DewPoint,
+        Self::RelativeHumidity,
+        Self::Partial(medium::OXYGEN),
+        Self::Partial(medium::CARBON_DIOXIDE),
+        Self::Partial(medium::VAPOUR),
+        Self::Partial(medium::TRACE),
+        Self::Liquid,
+        Self::Mixed,
+    ];
+
+    /// Name in files.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Temperature => "temperature",
+            Self::DewPoint => "dew_point",
+            Self::RelativeHumidity => "relative_humidity",
+            Self::Partial(part) => medium::NAMES[part],
+            Self::Liquid => "liquid",
+            Self::Mixed => "mixed",
+        }
+    }
+}
+
+/// Figures of a condenser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExchangerFigure {
+    /// Heat out of the air [W].
+    Heat,
+    /// Heat into the coolant [W].
+    CoolantHeat,
+    /// Water out of the air [kg/s].
+    Condensate,
+    /// Temperature of the air behind it [K].
+    AirOutlet,
+    /// Water in its films [kg].
+    Film,
+    /// Water in its separator [kg].
+    Separator,
+    /// Water in its tank [kg].
+    Tank,
+}
+
+impl ExchangerFigure {
+    const ALL: [Self; 7] = [
+        Self::Heat,
+        Self::CoolantHeat,
+        Self::Condensate,
+        Self::AirOutlet,
+        Self::Film,
+        Self::Separator,
+        Self::Tank,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Heat => "heat",
+            Self::CoolantHeat => "coolant_heat",
+            Self::Condensate => "condensate",
+            Self::AirOutlet => "air_outlet",
+            Self::Film => "film",
+            Self::Separator => "separator",
+            Self::Tank => "tank",
+        }
+    }
+}
+
 impl Quantity {
-    /// Unit of the values; `1` for a ratio, as all inputs are.
+    /// Unit of the values; `1` for a ratio.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::NodePressure { .. } | Self::OutletPressure { .. } => "Pa",
             Self::LineFlow { .. } | Self::SegmentFlow { .. } => "kg/s",
-            Self::Input { .. } => "1",
+            Self::Air { figure, .. } => match figure {
+                AirFigure::Temperature | AirFigure::DewPoint => "K",
+                AirFigure::RelativeHumidity | AirFigure::Mixed => "1",
+                AirFigure::Partial(_) => "Pa",
+                AirFigure::Liquid => "kg",
+            },
+            Self::Exchanger { figure, .. } => match figure {
+                ExchangerFigure::Heat | ExchangerFigure::CoolantHeat => "W",
+                ExchangerFigure::Condensate => "kg/s",
+                ExchangerFigure::AirOutlet => "K",
+                ExchangerFigure::Film | ExchangerFigure::Separator | ExchangerFigure::Tank => "kg",
+            },
+            Self::Input { unit, .. } => unit,
         }
     }
 }
@@ -60,12 +176,12 @@ impl Quantity {
 impl Loaded {
     /// Everything that a run can write down: nodes, then lines with their elements, then inputs.
     pub fn all_records(&self) -> Vec<Record> {
-        all(&self.names, &self.lines)
+        all(&self.names, &self.lines, &self.climate.volumes, &self.units)
     }
 }
 
 /// All recordable points of a network.
-pub(crate) fn all(names: &Names, lines: &[Line]) -> Vec<Record> {
+pub(crate) fn all(names: &Names, lines: &[Line], volumes: &[Volume], units: &[&'static str]) -> Vec<Record> {
     let record = |id: &str, what: &str, quantity| Record { name: format!("{id}.{what}"), quantity };
     let mut list = Vec::new();
     for (node, id) in names.nodes.iter().enumerate() {
@@ -79,8 +195,20 @@ pub(crate) fn all(names: &Names, lines: &[Line]) -> Vec<Record> {
             list.push(record(id, "outlet_pressure", Quantity::OutletPressure { line, segment }));
         }
     }
-    for (slot, name) in names.inputs.iter().enumerate() {
-        list.push(Record { name: name.clone(), quantity: Quantity::Input { slot } });
+    for ((node, id), volume) in names.nodes.iter().enumerate().zip(volumes) {
+        let figures =
+            if volume.contents == Contents::Air { &AirFigure::OF_AIR[..] } else { &AirFigure::OF_AIR[..1] };
+        for &figure in figures {
+            list.push(record(id, figure.name(), Quantity::Air { node, figure }));
+        }
+    }
+    for (exchanger, id) in names.exchangers.iter().enumerate() {
+        for figure in ExchangerFigure::ALL {
+            list.push(record(id, figure.name(), Quantity::Exchanger { exchanger, figure }));
+        }
+    }
+    for ((slot, name), &unit) in names.inputs.iter().enumerate().zip(units) {
+        list.push(Record { name: name.clone(), quantity: Quantity::Input { slot, unit } });
     }
     list
 }

@@ -39,12 +39,21 @@ impl Loaded {
              use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
              Point, Port, Scaling,\n};\n\
              #[allow(unused_imports)] // nor schedules\n\
-             use ::eclss_core::{\n    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
+             use ::eclss_core::{\n    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
              SchedulePoint, Segment, Settings,\n    Sizes, StdElement,\n};\n",
         );
+        if !self.climate.volumes.is_empty() {
+            text.push_str(
+                "#[allow(unused_imports)] // nor everything that a climate may have\n\
+                 use ::eclss_core::{\n    climate::condenser::Condenser, climate::medium::Medium, \
+                 climate::{Contents::*, ControlLoop, Crew, Exchanger, Measure::*, Passage::*, Remover, Source, Station, \
+                 Volume, Wall},\n    control::{Actuator, Controller::*, Sensor},\n};\n",
+            );
+        }
         self.write_constants(&mut text);
         self.write_tables(&mut text);
         self.write_plan(&mut text);
+        self.write_climate(&mut text);
         self.write_network(&mut text);
         process::write(self, &mut text);
         text
@@ -122,6 +131,36 @@ impl Loaded {
             writeln!(text, "\nstatic PLAN_BETWEEN: [[u32; 2]; {}] = {:?};", plan.between.len(), plan.between);
     }
 
+    fn write_climate(&self, text: &mut String) {
+        let climate = &self.climate;
+        if climate.volumes.is_empty() {
+            return;
+        }
+        table(text, "What the nodes hold.", "VOLUMES", "Volume", &climate.volumes, debug);
+        table(text, "What streams meet.", "STATIONS", "Station", &climate.stations, debug);
+        table(text, "Condensers.", "EXCHANGERS", "Exchanger", &climate.exchangers, debug);
+        table(text, "Sources.", "SOURCES", "Source", &climate.sources, debug);
+        table(text, "Crews.", "CREWS", "Crew", &climate.crews, debug);
+        table(text, "Removers.", "REMOVERS", "Remover", &climate.removers, debug);
+        table(text, "Walls.", "WALLS", "Wall", &climate.walls, debug);
+        table(text, "Control loops.", "LOOPS", "ControlLoop", &climate.loops, control);
+    }
+
+    /// The field `climate` of the network.
+    fn climate_field(&self) -> String {
+        let climate = &self.climate;
+        if climate.volumes.is_empty() {
+            return "Climate::NONE".to_owned();
+        }
+        format!(
+            "Climate {{\n            reference_k: {:?},\n            air: {:?},\n            coolant: {:?},\n            \
+             volumes: &VOLUMES,\n            stations: &STATIONS,\n            exchangers: &EXCHANGERS,\n            \
+             sources: &SOURCES,\n            crews: &CREWS,\n            removers: &REMOVERS,\n            \
+             walls: &WALLS,\n            loops: &LOOPS,\n        }}",
+            climate.reference_k, climate.air, climate.coolant
+        )
+    }
+
     fn write_network(&self, text: &mut String) {
         let _ = write!(
             text,
@@ -141,14 +180,23 @@ impl Loaded {
                          stamps: &PLAN_STAMPS,\n            row_of: &PLAN_ROW_OF,\n            \
                          leaves: &PLAN_LEAVES,\n            terms: &PLAN_TERMS,\n            \
                          composite: &PLAN_COMPOSITE,\n            between: &PLAN_BETWEEN,\n        \
-                     }},\n    }};\n    \
+                     }},\n        climate: {},\n    }};\n    \
                  const SETTINGS: Settings = Settings {{ method: METHOD, step_us: STEP_US }};\n\
              }}\n\n\
              /// The description.\n\
              pub static NETWORK: Network<'static> = <Configured as ::eclss_core::Compiled>::NETWORK;\n",
-            self.reference_pa
+            self.reference_pa,
+            self.climate_field()
         );
     }
+}
+
+/// A control loop; the variants of a controller have the names of what they hold, and infinity is no Rust number.
+fn control(control: &eclss_core::climate::ControlLoop) -> String {
+    format!("{control:?}")
+        .replace("Pid(Pid {", "Pid(::eclss_core::control::Pid {")
+        .replace("Thermostat(Thermostat {", "Thermostat(::eclss_core::control::Thermostat {")
+        .replace(": inf", ": f32::INFINITY")
 }
 
 fn constant(text: &mut String, about: &str, name: &str, kind: &str, value: impl std::fmt::Display) {

@@ -129,6 +129,7 @@ fn capacity(node: &eclss_core::Node) -> f64 {
             let gas = f64::from(eclss_core::air::GAS_CONSTANT_J_KG_K) * f64::from(node.temperature_k);
             f64::from(volume_m3) / gas
         }
+        NodeKind::Liquid { capacity_kg_pa } => f64::from(capacity_kg_pa),
         NodeKind::Junction | NodeKind::Boundary => 0.0,
     }
 }

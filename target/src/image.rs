@@ -204,6 +204,7 @@ impl Image {
                 composite: &self.composite,
                 between: &self.between,
             },
+            climate: eclss_core::Climate::NONE,
         }
     }
 

@@ -23,7 +23,7 @@ impl Books<'_> {
     #[allow(clippy::inline_always, reason = "four additions")]
     fn add(&mut self, node: usize, place: usize, amount: f32) {
         if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
-            math::compensated_add(&mut net[place], &mut lost[place], amount);
+            math::exact_add(&mut net[place], &mut lost[place], amount);
         }
     }
 
@@ -33,9 +33,9 @@ impl Books<'_> {
     fn pass(&mut self, node: usize, stream: &Stream, sign: f32) {
         if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
             for place in 0..PARTS {
-                math::compensated_add(&mut net[place], &mut lost[place], sign * stream.mass_kg[place]);
+                math::exact_add(&mut net[place], &mut lost[place], sign * stream.mass_kg[place]);
             }
-            math::compensated_add(&mut net[ENERGY], &mut lost[ENERGY], sign * stream.energy_j);
+            math::exact_add(&mut net[ENERGY], &mut lost[ENERGY], sign * stream.energy_j);
         }
     }
 }

@@ -87,7 +87,8 @@ pub(super) const ENERGY: usize = PARTS;
 /// One row of what is stored, or of its carries.
 pub(super) type Stored = [f32; STORED];
 
-/// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass [kg];
+/// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass of gas, or
+/// of coolant [kg];
 /// mass that came in and that went out in this step [kg]; φ.
 pub(super) type Figures = [f32; 6];
 
@@ -159,11 +160,12 @@ impl Constants<'_> {
         }
         let start = self.start_masses();
         let mut masses = start;
-        let mut sum = 0.0;
         for (mass, change) in masses.iter_mut().zip(&change) {
             *mass += change;
-            sum += *mass;
         }
+        // What lies free does not flow: fractions count per mass of what does.
+        let [nitrogen, oxygen, carbon_dioxide, vapour, trace, _] = masses;
+        let sum = nitrogen + oxygen + carbon_dioxide + vapour + trace;
         *mass = sum;
         let per_mass = 1.0 / sum;
         for (fraction, mass) in held.fractions.iter_mut().zip(&masses) {

@@ -102,6 +102,7 @@ fn write_contents(out: &mut dyn Write, source: &Source) -> Result<(), Failure> {
     for (id, node) in names.nodes.iter().zip(&loaded.nodes) {
         let kind = match node.kind {
             NodeKind::Cabin { volume_m3 } => format!("cabin, {volume_m3} m³"),
+            NodeKind::Liquid { capacity_kg_pa } => format!("liquid, {capacity_kg_pa:e} kg/Pa"),
             NodeKind::Boundary => "boundary".to_owned(),
             NodeKind::Junction => "junction".to_owned(),
         };

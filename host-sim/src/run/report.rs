@@ -1,5 +1,6 @@
 //! The report of a run, as data; its JSON form is what other programs read.
 
+use eclss_core::climate::Ledger;
 use eclss_core::{Fault, Health, Margin, Place, Proof, Simulator};
 use eclss_network_file::{Loaded, Names, Quantity};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -65,6 +66,10 @@ pub struct Snapshot {
     pub gauge_pa: ById<f32>,
     /// Inputs as the last step saw them.
     pub inputs: ById<f32>,
+    /// Temperatures, moisture, composition and condensers, each in the unit of its name's figure; empty without `[air]`.
+    pub climate: ById<f32>,
+    /// Ledgers of gases, water, coolant and energy; empty without `[air]`.
+    pub ledgers: Vec<Balance>,
     /// Smallest φ of the last step [1].
     pub phi_min: f32,
     /// Upper bound of the spectral radius of the last step [1]; NaN, `null` in JSON, where the method has none.
@@ -75,6 +80,31 @@ pub struct Snapshot {
     pub state_hash: String,
     /// Whether the run may be trusted up to here.
     pub health: &'static str,
+}
+
+/// What a ledger says.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Balance {
+    /// What is counted.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Held beyond the start.
+    pub held: f64,
+    /// Supplied from outside.
+    pub supplied: f64,
+    /// Supplied and removed, without sign.
+    pub turned_over: f64,
+}
+
+impl Balance {
+    fn all(simulator: &Simulator<'_>) -> Vec<Self> {
+        let balance = |ledger: Ledger| {
+            let Ledger { name, unit, held, supplied, turned_over } = ledger;
+            Self { name, unit, held, supplied, turned_over }
+        };
+        simulator.ledgers().into_iter().map(balance).collect()
+    }
 }
 
 /// Where a run ended.
@@ -155,7 +185,8 @@ fn seconds(us: u64) -> f64 {
 
 impl Snapshot {
     pub(super) fn take(loaded: &Loaded, simulator: &Simulator<'_>) -> Self {
-        let (mut flows, mut gauges, mut inputs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut flows, mut gauges, mut inputs, mut climate) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let segments = Segments::of(simulator);
         for record in loaded.all_records() {
             let value = Figure::Point(record.quantity).read(simulator, &segments);
@@ -164,6 +195,9 @@ impl Snapshot {
                 Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. } => flows.push((id(), value)),
                 Quantity::NodePressure { .. } | Quantity::OutletPressure { .. } => gauges.push((id(), value)),
                 Quantity::Input { .. } => inputs.push((record.name.clone(), value)),
+                Quantity::Air { .. } | Quantity::Exchanger { .. } => {
+                    climate.push((record.name.clone(), value));
+                }
             }
         }
         let reference = f64::from(loaded.reference_pa);
@@ -176,6 +210,8 @@ impl Snapshot {
             pressures_pa: ById(gauges.iter().map(absolute).collect()),
             gauge_pa: ById(gauges),
             inputs: ById(inputs),
+            climate: ById(climate),
+            ledgers: loaded.climate.volumes.first().map_or_else(Vec::new, |_| Balance::all(simulator)),
             phi_min: phi,
             spectral_bound,
             proof: proof(held),

@@ -54,7 +54,8 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
         at.state_hash
     )?;
     let room = names.nodes.iter().chain(&names.lines).chain(&names.segments).chain(&names.inputs);
-    let room = room.map(|id| id.chars().count()).max().unwrap_or(0).max(6) + 2;
+    let climate = at.climate.0.iter().map(|(id, _)| id);
+    let room = room.chain(climate).map(|id| id.chars().count()).max().unwrap_or(0).max(6) + 2;
     writeln!(out, "  {:<room$} {:>14} {:>16} {:>14}", "", "flow [g/s]", "pressure [Pa]", "gauge [Pa]")?;
     for id in &names.nodes {
         row(out, at, id, id, room)?;
@@ -68,6 +69,22 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
     }
     for (id, value) in &at.inputs.0 {
         writeln!(out, "  {id:<room$} {value:>14}")?;
+    }
+    for (id, value) in &at.climate.0 {
+        let (shown, unit) = in_use(id, *value);
+        writeln!(out, "  {id:<room$} {shown:>14.4} {unit}")?;
+    }
+    for ledger in &at.ledgers {
+        let gap = ledger.held - ledger.supplied;
+        writeln!(
+            out,
+            "  ledger of {:<width$} supplied {:>16.6} {unit}, turned over {:>16.6} {unit}, not closed {gap:>10.1e} {unit}",
+            ledger.name,
+            ledger.supplied,
+            ledger.turned_over,
+            unit = ledger.unit,
+            width = room.saturating_sub(10)
+        )?;
     }
     Ok(())
 }
@@ -105,5 +122,18 @@ mod tests {
     #[test]
     fn a_bound_that_does_not_exist_is_a_dash() {
         assert_eq!((bound(f32::NAN).as_str(), bound(0.5).as_str()), ("–", "0.5"));
+    }
+}
+
+/// A figure of the climate in the unit that people read.
+fn in_use(name: &str, value: f32) -> (f32, &'static str) {
+    match name.rsplit('.').next().unwrap_or_default() {
+        "temperature" | "dew_point" | "air_outlet" => (value - 273.15, "°C"),
+        "relative_humidity" => (100.0 * value, "%"),
+        "heat" | "coolant_heat" => (value, "W"),
+        "condensate" => (value * 1e3, "g/s"),
+        "film" | "separator" | "tank" | "liquid" => (value, "kg"),
+        "mixed" => (value, "1"),
+        _ => (value, "Pa"),
     }
 }

@@ -245,6 +245,7 @@ fn fans_without_a_loss_are_refused() {
         schedules: &[],
         points: &[],
         plan: Plan::EMPTY,
+        climate: eclss_core::Climate::NONE,
     };
     assert_eq!(steady(&network, &[]), Err(SteadyError::Network(NetworkError::LineWithoutLoss(0))));
 }

@@ -149,6 +149,7 @@ impl Drawn {
             schedules: &[],
             points: &[],
             plan: self.plan.plan(),
+            climate: eclss_core::Climate::NONE,
         }
     }
 }

@@ -1,0 +1,134 @@
+//! Reads heat, moisture, composition and control.
+
+use eclss_core::InputSpec;
+use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Wall, medium};
+
+use crate::document::NetworkFile;
+use crate::document::air::{
+    AirEntry, CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, Starts, WallEntry,
+};
+use crate::limits;
+use crate::table::Table;
+
+/// Reads what stands beside nodes and lines.
+pub(super) fn read_parts(root: &mut Table<'_, '_>, file: &mut NetworkFile) {
+    file.air = root.table("air", |air| AirEntry {
+        reference_temperature_k: air.number("reference_temperature_k", &limits::MOIST_TEMPERATURE),
+        coolant_heat_j_kg_k: air.number("coolant_heat_j_kg_k", &limits::SPECIFIC_HEAT),
+    });
+    file.sources = root.tables("source", 0..=limits::PARTS, |table| Some(part(table, &Source::INPUTS)));
+    file.crews = root.tables("crew", 0..=limits::PARTS, |table| Some(part(table, &Crew::INPUTS)));
+    file.removers = root.tables("remover", 0..=limits::PARTS, |table| {
+        let entry = part(table, &Remover::INPUTS);
+        let part = table.word("part", &medium::NAMES[..medium::LIQUID]);
+        if part.is_none() && !table.has("part") {
+            table.refuse(
+                "part",
+                format!("`part` is missing: one of {}", medium::NAMES[..medium::LIQUID].join(", ")),
+            );
+        }
+        Some(PartEntry { part, ..entry })
+    });
+    file.walls = root.tables("wall", 0..=limits::PARTS, |table| {
+        let entry = part(table, &Wall::INPUTS);
+        let wall = WallEntry {
+            capacity_j_k: table.need_number("capacity_j_k", &limits::HEAT_CAPACITY),
+            inner_w_k: table.need_number("inner_w_k", &limits::CONDUCTANCE),
+            outer_w_k: table.need_number("outer_w_k", &limits::CONDUCTANCE),
+            temperature_k: table.need_number("temperature_k", &limits::TEMPERATURE),
+        };
+        Some(PartEntry { wall: Some(wall), ..entry })
+    });
+    file.controls = root.tables("control", 0..=limits::PARTS, read_control);
+}
+
+fn part(table: &mut Table<'_, '_>, specs: &[InputSpec]) -> PartEntry {
+    PartEntry {
+        id: table.need_id("id"),
+        node: table.need_text("node"),
+        part: None,
+        wall: None,
+        starts: starts(table, specs),
+    }
+}
+
+/// Start values of inputs.
+pub(super) fn starts(table: &mut Table<'_, '_>, specs: &[InputSpec]) -> Starts {
+    let mut starts = Starts::new();
+    for spec in specs {
+        if let Some(value) = table.number(spec.name, &limits::of(spec)) {
+            starts.insert(spec.name, value);
+        }
+    }
+    starts
+}
+
+pub(super) fn read_contents(node: &mut Table<'_, '_>) -> ContentsEntry {
+    ContentsEntry {
+        contents: node.word("contents", &["air", "coolant"]),
+        oxygen_pa: node.number("oxygen_pa", &limits::PRESSURE),
+        carbon_dioxide_pa: node.number("carbon_dioxide_pa", &limits::PRESSURE),
+        trace_pa: node.number("trace_pa", &limits::PRESSURE),
+        dew_point_k: node.number("dew_point_k", &limits::MOIST_TEMPERATURE),
+        mixing_limit_s: node.number("mixing_limit_s", &limits::SOME_TIME),
+        surface_kg_s_pa: node.number("surface_kg_s_pa", &limits::FRACTION),
+    }
+}
+
+pub(super) fn read_coil(element: &mut Table<'_, '_>) -> CoilEntry {
+    CoilEntry {
+        air_w_k: element.number("air_w_k", &limits::SOME_CONDUCTANCE),
+        air_reference_kg_s: element.number("air_reference_kg_s", &limits::REFERENCE_FLOW),
+        air_exponent: element.number("air_exponent", &limits::FRACTION),
+        coolant_w_k: element.number("coolant_w_k", &limits::SOME_CONDUCTANCE),
+        coolant_reference_kg_s: element.number("coolant_reference_kg_s", &limits::REFERENCE_FLOW),
+        capacity_j_k: element.number("capacity_j_k", &limits::HEAT_CAPACITY),
+        film_kg: element.number("film_kg", &limits::SOME_MASS),
+        temperature_k: element.number("temperature_k", &limits::MOIST_TEMPERATURE),
+        separator_kg: element.number("separator_kg", &limits::SOME_MASS),
+        discharge_s: element.number("discharge_s", &limits::SOME_TIME),
+        slug_kg: element.number("slug_kg", &limits::SOME_MASS),
+        starts: starts(element, &Exchanger::INPUTS),
+    }
+}
+
+fn read_control(table: &mut Table<'_, '_>) -> Option<ControlEntry> {
+    let id = table.need_id("id");
+    let kind = match table.need_kind("kind", &["pid", "thermostat"])?.as_str() {
+        "pid" => ControlKind::Pid {
+            gain: table.need_number("gain", &limits::ANY),
+            integral_s: table.number("integral_s", &limits::SOME_TIME),
+            derivative_s: table.number("derivative_s", &limits::TIME),
+            dead_band: table.number("dead_band", &limits::PRESSURE),
+            bias: table.number("bias", &limits::FRACTION),
+            rate_per_s: table.number("rate_per_s", &limits::RATE),
+        },
+        _ => {
+            let on_when = table.word("on_when", &["high", "low"]);
+            if on_when.is_none() && !table.has("on_when") {
+                table.refuse("on_when", "`on_when` is missing: \"high\" or \"low\"");
+            }
+            ControlKind::Thermostat {
+                half_band: table.need_number("half_band", &limits::PRESSURE),
+                on_when: on_when.unwrap_or_default(),
+            }
+        }
+    };
+    Some(ControlEntry {
+        id,
+        measures: table.need_text("measures"),
+        drives: table.need_text("drives"),
+        opposite: table.text("opposite"),
+        kind,
+        closed: table.need_number("closed", &limits::ANY),
+        open: table.need_number("open", &limits::ANY),
+        travel_s: table.number("travel_s", &limits::SOME_TIME),
+        stiction: table.number("stiction", &limits::FRACTION),
+        sensor_min: table.need_number("sensor_min", &limits::ANY),
+        sensor_max: table.need_number("sensor_max", &limits::ANY),
+        sensor_lag_s: table.number("sensor_lag_s", &limits::TIME),
+        sensor_noise: table.number("sensor_noise", &limits::PRESSURE),
+        seed: table.number("seed", &limits::SEED),
+        starts: starts(table, &ControlLoop::INPUTS),
+    })
+}
