@@ -10,7 +10,7 @@ use crate::method::common::Cut;
 
 /// State of one loop: sensor, controller, actuator.
 pub(super) const LOOP: usize = ControlLoop::STATE;
-/// One figure of the ledger: supplied from outside and its carry; turned over and its carry.
+/// Rows of the ledger: supplied from outside and its carry; turned over and its carry.
 pub(super) const LEDGER: usize = 4;
 
 /// Lengths of the climate's parts of state and work buffer.
@@ -40,7 +40,7 @@ pub(super) struct State<'s> {
     pub(super) stores: &'s mut [[f32; STORES]],
     pub(super) walls: &'s mut [[f32; 2]],
     pub(super) loops: &'s mut [[f32; LOOP]],
-    pub(super) ledger: &'s mut [[f32; LEDGER]],
+    pub(super) ledger: &'s mut [Stored],
 }
 
 impl<'s> State<'s> {
@@ -56,7 +56,7 @@ impl<'s> State<'s> {
             stores: cut.take_rows(exchangers),
             walls: cut.take_rows(climate.walls.len()),
             loops: cut.take_rows(climate.loops.len()),
-            ledger: cut.take_rows(STORED),
+            ledger: cut.take_rows(LEDGER),
         }
     }
 }
@@ -106,7 +106,7 @@ pub(super) struct Seen<'o> {
     pub(super) coils: &'o [WallState],
     pub(super) stores: &'o [[f32; STORES]],
     pub(super) walls: &'o [[f32; 2]],
-    pub(super) ledger: &'o [[f32; LEDGER]],
+    pub(super) ledger: &'o [Stored],
     pub(super) fractions: &'o [Parts],
     pub(super) figures: &'o [Figures],
     pub(super) passed: &'o [[f32; 2]],
@@ -133,7 +133,7 @@ impl<'o> Seen<'o> {
         let (coils, stores) = (state.rows(CELLS * exchangers), state.rows(exchangers));
         let walls = state.rows(climate.walls.len());
         let _: &[[f32; LOOP]] = state.rows(climate.loops.len());
-        let ledger = state.rows(STORED);
+        let ledger = state.rows(LEDGER);
         let _: [&[Stored]; 2] = [work.rows(nodes), work.rows(nodes)];
         let (fractions, figures, passed) = (work.rows(nodes), work.rows(nodes), work.rows(nodes));
         let _: &[WallFigures] = work.rows(CELLS * exchangers);

@@ -94,9 +94,11 @@ impl<'o, 'n> Observed<'o, 'n> {
         };
         let booked = |places: &[usize]| {
             let mut sums = [0.0; 2];
-            for row in places.iter().filter_map(|place| self.seen.ledger.get(*place)) {
-                sums[0] += sum(&row[..2]);
-                sums[1] += sum(&row[2..]);
+            if let [supplied, s, turned, t] = self.seen.ledger {
+                for &place in places {
+                    sums[0] += f64::from(supplied[place]) - f64::from(s[place]);
+                    sums[1] += f64::from(turned[place]) - f64::from(t[place]);
+                }
             }
             sums
         };

@@ -1,12 +1,12 @@
 //! One step of everything beside the flows.
 
-use super::buffers::{Books, LEDGER, State, Work};
+use super::buffers::{Books, State, Work};
 use super::condenser::{CELLS, Coil, WallFigures, WallState};
 use super::exchanger;
-use super::medium::{LIQUID, Medium, PARTS, VAPOUR};
+use super::medium::{LIQUID, PARTS, VAPOUR, dot};
 use super::parts::Passage;
 use super::stream::Stream;
-use super::volume::{self, Constants, Contents, ENERGY, Held};
+use super::volume::{self, Constants, Contents, ENERGY, Held, STORED, Stored};
 use super::{Climate, Measure, crew};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
@@ -18,35 +18,44 @@ use crate::{Line, Network, math};
 const THETA_LIMIT_K: f32 = 100.0;
 
 impl Books<'_> {
-    /// Adds one figure.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "four additions")]
-    fn add(&mut self, node: usize, place: usize, amount: f32) {
-        if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
-            math::exact_add(&mut net[place], &mut lost[place], amount);
-        }
-    }
-
-    /// Adds a stream, or takes it where `sign` is −1; the numbers are the same.
+    /// Adds a row.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-    fn pass(&mut self, node: usize, stream: &Stream, sign: f32) {
+    fn add(&mut self, node: usize, row: &Stored) {
         if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
-            for place in 0..PARTS {
-                math::exact_add(&mut net[place], &mut lost[place], sign * stream.mass_kg[place]);
+            for place in 0..STORED {
+                math::exact_add(&mut net[place], &mut lost[place], row[place]);
             }
-            math::exact_add(&mut net[ENERGY], &mut lost[ENERGY], sign * stream.energy_j);
         }
     }
 }
 
-/// Books `amount` that came from outside.
-#[inline]
-fn supply(ledger: &mut [[f32; LEDGER]], place: usize, amount: f32) {
-    if let Some([supplied, s, turned, t]) = ledger.get_mut(place) {
-        math::compensated_add(supplied, s, amount);
-        math::compensated_add(turned, t, amount.abs());
+/// A stream as a row; taken where `sign` is −1, with the same numbers.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn row(stream: &Stream, sign: f32) -> Stored {
+    let [a, b, c, d, e, f] = stream.mass_kg;
+    [sign * a, sign * b, sign * c, sign * d, sign * e, sign * f, sign * stream.energy_j, 0.0]
+}
+
+/// Books a row that came from outside.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn supply(ledger: &mut [Stored], row: &Stored) {
+    if let [supplied, s, turned, t] = ledger {
+        for place in 0..STORED {
+            math::compensated_add(&mut supplied[place], &mut s[place], row[place]);
+            math::compensated_add(&mut turned[place], &mut t[place], row[place].abs());
+        }
     }
+}
+
+/// A row of energy alone.
+#[inline]
+fn heat_row(energy_j: f32) -> Stored {
+    let mut row = [0.0; STORED];
+    row[ENERGY] = energy_j;
+    row
 }
 
 /// Present value of input `slot`.
@@ -271,14 +280,14 @@ fn move_lines<E>(network: &Network<'_, E>, at: Stepped<'_>, state: &mut State<'_
         if let Some(figures) = work.figures.get_mut(down) {
             figures[3] += mass.abs();
         }
-        work.books.pass(up, &stream, -1.0);
+        work.books.add(up, &row(&stream, -1.0));
         for place in 0..here.len() {
             let place = if reversed { here.len() - 1 - place } else { place };
             if let Some(station) = here.get(place) {
                 pass(climate, at, &station.passage, &mut stream, (pressure, reversed), state, work);
             }
         }
-        work.books.pass(down, &stream, 1.0);
+        work.books.add(down, &row(&stream, 1.0));
     }
 }
 
@@ -304,12 +313,12 @@ fn pass(
             let speed = input(at.inputs, speed_input);
             let heat = power_w * speed * speed * speed * at.step_s;
             stream.energy_j += heat;
-            supply(state.ledger, ENERGY, heat);
+            supply(state.ledger, &heat_row(heat));
         }
         Passage::Heater { power_input } => {
             let heat = input(at.inputs, power_input) * at.step_s;
             stream.energy_j += heat;
-            supply(state.ledger, ENERGY, heat);
+            supply(state.ledger, &heat_row(heat));
         }
         Passage::Condenser(of) => {
             let index = of as usize;
@@ -348,7 +357,7 @@ fn settle_coils(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>, w
             let before = stream.capacity_j_k(&climate.coolant) * theta;
             stream.energy_j = before;
             coil.pass_coolant(&mut stream, at.step_s, &climate.coolant);
-            supply(state.ledger, ENERGY, before - stream.energy_j);
+            supply(state.ledger, &heat_row(before - stream.energy_j));
             if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
                 *taken = stream.energy_j - before;
             }
@@ -357,8 +366,9 @@ fn settle_coils(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>, w
         let Some(stores) = state.stores.get_mut(index) else { continue };
         let lost = exchanger::separate(exchanger, stores, drained, input(at.inputs, slot), at.step_s);
         let node = exchanger.outlet_node as usize;
-        work.books.add(node, LIQUID, lost.water_kg);
-        work.books.add(node, ENERGY, lost.energy_j);
+        let mut back = heat_row(lost.energy_j);
+        back[LIQUID] = lost.water_kg;
+        work.books.add(node, &back);
     }
 }
 
@@ -367,18 +377,14 @@ fn supply_volumes(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>,
     for crew in climate.crews {
         let [count, activity] = [input(at.inputs, crew.first_input), input(at.inputs, crew.first_input + 1)];
         let (heat, parts) = crew::person(activity);
-        let people = count * at.step_s;
-        add_heat(state, work, crew.node, heat * people);
-        for (part, rate) in parts.into_iter().enumerate() {
-            add_mass(climate, state, work, (crew.node, part), rate * people);
-        }
+        give(climate, state, work, crew.node, count * at.step_s, heat, &parts);
     }
     for source in climate.sources {
-        add_heat(state, work, source.node, input(at.inputs, source.first_input) * at.step_s);
-        for part in 0..PARTS {
-            let rate = input(at.inputs, source.first_input + 1 + part as u32);
-            add_mass(climate, state, work, (source.node, part), rate * at.step_s);
-        }
+        let first = source.first_input as usize;
+        let Some([heat, parts @ ..]) = at.inputs.get(first..first + PARTS + 1) else { continue };
+        let mut rates = [0.0; PARTS];
+        rates.copy_from_slice(parts);
+        give(climate, state, work, source.node, at.step_s, *heat, &rates);
     }
     for remover in climate.removers {
         let (node, part) = (remover.node as usize, remover.part as usize);
@@ -391,8 +397,11 @@ fn supply_volumes(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>,
         // ρ = p_i/(R_i·T) of this part alone
         let partial = volume::partial_pressure_pa(part, fractions, *pressure);
         let gas = super::medium::GAS_CONSTANTS_J_KG_K.get(part).copied().unwrap_or(1.0);
-        let taken = flow * at.step_s * partial / (gas * (climate.reference_k + *theta));
-        add_mass(climate, state, work, (remover.node, part), -taken);
+        let mut rates = [0.0; PARTS];
+        if let Some(rate) = rates.get_mut(part) {
+            *rate = -flow * partial / (gas * (climate.reference_k + *theta));
+        }
+        give(climate, state, work, remover.node, at.step_s, 0.0, &rates);
     }
     for (node, volume) in climate.volumes.iter().enumerate() {
         let (Some(figures), Some(fractions)) = (work.figures.get(node), work.fractions.get(node)) else {
@@ -400,40 +409,35 @@ fn supply_volumes(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>,
         };
         if volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 {
             let vapour = volume::evaporated_kg(volume, figures, fractions, climate.reference_k, at.step_s);
-            work.books.add(node, VAPOUR, vapour);
-            work.books.add(node, LIQUID, -vapour);
+            let mut change = [0.0; STORED];
+            (change[VAPOUR], change[LIQUID]) = (vapour, -vapour);
+            work.books.add(node, &change);
         }
     }
 }
 
+/// Heat [W] and masses [kg/s] from outside for `time_s` [s, or person-seconds], the masses at the temperature of their
+/// volume.
 #[inline]
-fn add_heat(state: &mut State<'_>, work: &mut Work<'_>, node: u32, heat: f32) {
-    work.books.add(node as usize, ENERGY, heat);
-    supply(state.ledger, ENERGY, heat);
-}
-
-/// Mass from outside at the temperature of its volume.
-#[inline]
-fn add_mass(
+fn give(
     climate: &Climate<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
-    (node, part): (u32, usize),
-    mass: f32,
+    node: u32,
+    time_s: f32,
+    heat_w: f32,
+    rates_kg_s: &[f32; PARTS],
 ) {
     let theta = work.figures.get(node as usize).map_or(0.0, |[theta, ..]| *theta);
-    let energy = mass * enthalpy(&climate.air, part, theta);
-    work.books.add(node as usize, part, mass);
-    work.books.add(node as usize, ENERGY, energy);
-    supply(state.ledger, part, mass);
-    supply(state.ledger, ENERGY, energy);
-}
-
-/// Enthalpy of a part [J/kg].
-#[inline]
-fn enthalpy(medium: &Medium, part: usize, theta: f32) -> f32 {
-    let heat = medium.flowing_j_kg_k.get(part).copied().unwrap_or(0.0);
-    heat * theta - if part == LIQUID { medium.latent_j_kg } else { 0.0 }
+    let mut given = [0.0; STORED];
+    for (given, rate) in given.iter_mut().zip(rates_kg_s) {
+        *given = rate * time_s;
+    }
+    let carried =
+        dot(rates_kg_s, &climate.air.flowing_j_kg_k) * theta - rates_kg_s[LIQUID] * climate.air.latent_j_kg;
+    given[ENERGY] = (heat_w + carried) * time_s;
+    work.books.add(node as usize, &given);
+    supply(state.ledger, &given);
 }
 
 /// Heat between volumes, walls and surroundings.
@@ -450,7 +454,7 @@ fn pass_walls(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>, wor
         let outer = wall.outer_w_k * (outside - theta) * at.step_s;
         math::compensated_add(energy, carry, inner);
         math::compensated_add(energy, carry, outer);
-        work.books.add(wall.node as usize, ENERGY, -inner);
-        supply(state.ledger, ENERGY, outer);
+        work.books.add(wall.node as usize, &heat_row(-inner));
+        supply(state.ledger, &heat_row(outer));
     }
 }

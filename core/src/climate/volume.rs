@@ -80,8 +80,8 @@ impl Volume {
     }
 }
 
-/// Figures that a volume stores: masses of all parts and energy.
-pub(super) const STORED: usize = PARTS + 1;
+/// Figures that a volume stores: masses of all parts, energy, and one that stays 0, so that rows fill whole vectors.
+pub(super) const STORED: usize = PARTS + 2;
 /// Place of the energy among them.
 pub(super) const ENERGY: usize = PARTS;
 /// One row of what is stored, or of its carries.
@@ -145,10 +145,7 @@ impl Constants<'_> {
             store_part(held.value, held.carry, held.net, held.lost, *phi);
             store_part(held.owed, held.owed_carry, held.net, held.lost, 1.0 - *phi);
         } else {
-            for place in 0..STORED {
-                held.carry[place] += held.lost[place];
-                math::compensated_add(&mut held.value[place], &mut held.carry[place], held.net[place]);
-            }
+            store(held.value, held.carry, held.net, held.lost);
         }
         (*held.net, *held.lost) = ([0.0; STORED], [0.0; STORED]);
         if self.node.kind == NodeKind::Boundary {
@@ -188,7 +185,18 @@ impl Constants<'_> {
     }
 }
 
+/// Adds what arrived.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
+fn store(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored) {
+    for place in 0..STORED {
+        carry[place] += lost[place];
+        math::compensated_add(&mut value[place], &mut carry[place], net[place]);
+    }
+}
+
 /// Adds the share `part` of what arrived.
+#[cold]
 fn store_part(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored, part: f32) {
     for place in 0..STORED {
         carry[place] += part * lost[place];
