@@ -125,6 +125,31 @@ impl Climate<'_> {
         self.volumes.get(node as usize).is_some_and(|volume| volume.contents == contents)
     }
 
+    /// Whether a control loop drives input `slot`.
+    pub(crate) fn drives(&self, slot: usize) -> bool {
+        self.loops.iter().any(|control| control.drives as usize == slot || control.opposite as usize == slot)
+    }
+
+    /// Name, unit and range of input `slot`, where it is the climate's.
+    pub fn spec_of(&self, slot: usize) -> Option<InputSpec> {
+        let of = |first: u32, specs: &[InputSpec]| {
+            slot.checked_sub(first as usize).and_then(|index| specs.get(index)).copied()
+        };
+        let heater = |station: &Station| match station.passage {
+            Passage::Heater { power_input } => of(power_input, &[parts::HEATER_INPUT]),
+            Passage::Machine { .. } | Passage::Condenser(_) | Passage::CoolantSide(_) => None,
+        };
+        let mut found = self.stations.iter().find_map(heater);
+        found = found
+            .or_else(|| self.exchangers.iter().find_map(|part| of(part.first_input, &Exchanger::INPUTS)));
+        found = found.or_else(|| self.sources.iter().find_map(|part| of(part.first_input, &Source::INPUTS)));
+        found = found.or_else(|| self.crews.iter().find_map(|part| of(part.first_input, &Crew::INPUTS)));
+        found =
+            found.or_else(|| self.removers.iter().find_map(|part| of(part.first_input, &Remover::INPUTS)));
+        found = found.or_else(|| self.walls.iter().find_map(|part| of(part.first_input, &Wall::INPUTS)));
+        found.or_else(|| self.loops.iter().find_map(|part| of(part.first_input, &ControlLoop::INPUTS)))
+    }
+
     /// Finds the first thing wrong with the climate of a network whose own check passed, for a step of `step_us` [µs].
     pub fn check<E: Element>(&self, network: &Network<'_, E>, step_us: u32) -> Result<(), ClimateError> {
         if self.is_none() {

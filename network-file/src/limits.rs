@@ -131,8 +131,8 @@ pub const SPEED: Range = range(0.0, 2.0, "1");
 pub const TIME: Range = range(0.0, 1e9, "s");
 /// Times of which there must be some.
 pub const SOME_TIME: Range = range(1e-6, 1e9, "s");
-/// Rates of change of a ratio.
-pub const RATE: Range = range(1e-9, 1e9, "1/s");
+/// Rates of change of a controller's output.
+pub const OUTPUT_RATE: Range = range(1e-9, 1e9, "1/s");
 /// Temperatures for which moist air is known.
 pub const MOIST_TEMPERATURE: Range = range(273.15, 333.15, "K");
 /// Specific heats.

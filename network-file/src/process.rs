@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
+use eclss_core::InputSpec;
 use eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, ProcessError, Scaling,
 };
-use eclss_core::{Element, InputSpec};
 
 use crate::document::{ChannelEntry, NetworkFile};
 use crate::limits;
@@ -141,7 +141,7 @@ pub(crate) fn lower(
             notes.refuse_at(&path, &["bind"], format!("`{}` has such a channel already", entry.bind));
         }
         if entry.direction == "in" {
-            let Quantity::Input { slot } = quantity else {
+            let Quantity::Input { slot, .. } = quantity else {
                 let reason = format!("`{}` is no input: only inputs take values from hardware", entry.bind);
                 notes.refuse_at(&path, &["bind"], reason);
                 continue;
@@ -194,8 +194,13 @@ fn output(
         return None;
     };
     let (min, max) = (min as f32, max as f32);
+    let Some(point) = point(quantity, file) else {
+        let reason = format!("`{}` is recorded, but no channel carries it yet", entry.bind);
+        notes.refuse_at(path, &["bind"], reason);
+        return None;
+    };
     let channel = OutputChannel {
-        point: point(quantity, file),
+        point,
         port: port(entry),
         scaling: Scaling::NONE,
         min,
@@ -208,10 +213,10 @@ fn output(
 }
 
 /// The core counts segments over all lines, a record within its line.
-fn point(quantity: Quantity, file: &NetworkFile) -> Point {
+fn point(quantity: Quantity, file: &NetworkFile) -> Option<Point> {
     let before =
         |line: usize| file.lines.iter().take(line).map(|line| line.elements.len() as u32).sum::<u32>();
-    match quantity {
+    Some(match quantity {
         Quantity::NodePressure { node } => Point::NodeGauge(node as u32),
         Quantity::LineFlow { line } => Point::LineFlow(line as u32),
         Quantity::SegmentFlow { line, segment } => {
@@ -220,8 +225,9 @@ fn point(quantity: Quantity, file: &NetworkFile) -> Point {
         Quantity::OutletPressure { line, segment } => {
             Point::OutletGauge { line: line as u32, segment: before(line) + segment as u32 }
         }
-        Quantity::Input { slot } => Point::Input(slot as u32),
-    }
+        Quantity::Input { slot, .. } => Point::Input(slot as u32),
+        Quantity::Air { .. } | Quantity::Exchanger { .. } => return None,
+    })
 }
 
 fn port(entry: &ChannelEntry) -> Port {
@@ -261,14 +267,6 @@ fn date(text: &str) -> Option<u32> {
     };
     let exists = (1..=12).contains(&month) && (1..=days).contains(&day);
     (fits && exists).then_some(10_000 * year + 100 * month + day)
-}
-
-/// Names, units and ranges of all input slots, in slot order.
-pub(crate) fn specs<E: Element>(segments: &[eclss_core::Segment<E>]) -> Vec<InputSpec> {
-    let of = |segment: &eclss_core::Segment<E>| {
-        (0..).map_while(|index| segment.element.input_spec(index)).collect::<Vec<_>>()
-    };
-    segments.iter().flat_map(of).collect()
 }
 
 /// The core's last word on the image.

@@ -1,6 +1,6 @@
 //! The generated Rust compiles and is the loaded network to the bit.
 //!
-//! `tests/generated/*.rs` are what `to_rust` writes for the paper's network and for `tests/files/zoo.toml`. A test compares the text, so
+//! `tests/generated/*.rs` are what `to_rust` writes for two shipped networks and for `tests/files/zoo.toml`. A test compares the text, so
 //! that what is compiled here is what it writes today; the buffer lengths, which change with every method, are
 //! compared with the core instead.
 
@@ -17,6 +17,11 @@ mod paper {
 #[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
 mod zoo {
     include!("generated/zoo.rs");
+}
+
+#[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
+mod thcs {
+    include!("generated/thcs.rs");
 }
 
 /// Lengths as a board uses them.
@@ -46,6 +51,7 @@ fn the_stored_text_is_what_is_written_today() {
         include_str!("generated/paper.rs"),
         "networks/paper.toml",
     );
+    assert_written(&loaded("../networks/thcs.toml"), include_str!("generated/thcs.rs"), "networks/thcs.toml");
     let path = "network-file/tests/files/zoo.toml";
     assert_written(&loaded("tests/files/zoo.toml"), include_str!("generated/zoo.rs"), path);
 }
@@ -87,4 +93,13 @@ fn the_buffer_lengths_are_the_ones_that_a_simulator_asks_for() {
         assert!(text.contains(&format!("pub const {name}: Sizes = {sizes:?};")), "{name}");
     }
     let _ = Storage::<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>::new();
+}
+
+#[test]
+fn a_climate_is_written_to_the_bit() {
+    let loaded = loaded("../networks/thcs.toml");
+    // The id is a hash over every figure.
+    assert_eq!(thcs::NETWORK.id(), loaded.network().id());
+    assert_eq!(thcs::NETWORK.climate.exchangers, loaded.network().climate.exchangers);
+    assert_eq!(thcs::NETWORK.climate.loops, loaded.network().climate.loops);
 }

@@ -18,6 +18,8 @@ pub enum InputError {
     NoSuchSlot,
     /// The slot follows a schedule of the network file.
     Scheduled,
+    /// A control loop drives it.
+    Controlled,
     /// No element reads the slot, so that it has no range.
     Unused,
     /// NaN or infinite.
@@ -36,6 +38,7 @@ impl core::fmt::Display for InputError {
         match self {
             Self::NoSuchSlot => f.write_str("there is no such input"),
             Self::Scheduled => f.write_str("it follows a schedule"),
+            Self::Controlled => f.write_str("a control loop drives it"),
             Self::Unused => f.write_str("no element reads it"),
             Self::NotFinite => f.write_str("not a finite number"),
             Self::OutOfRange { min, max } => write!(f, "outside {min} … {max}"),
@@ -95,7 +98,10 @@ impl<E: Element> Simulator<'_, E> {
         if self.network.schedules.iter().any(|schedule| schedule.input as usize == slot) {
             return Err(InputError::Scheduled);
         }
-        let mut range: Option<(f32, f32)> = None;
+        if self.network.climate.drives(slot) {
+            return Err(InputError::Controlled);
+        }
+        let mut range = self.network.climate.spec_of(slot).map(|spec| (spec.min, spec.max));
         for segment in self.network.segments {
             let index = slot.checked_sub(segment.first_input as usize);
             if let Some(spec) = index.and_then(|index| segment.element.input_spec(index)) {

@@ -62,6 +62,10 @@ impl Graph {
         let nodes = file.nodes.iter().map(|node| {
             let (kind, remark) = match node.kind {
                 NodeEntryKind::Cabin { volume_m3 } => ("cabin", format!("{volume_m3} m³")),
+                NodeEntryKind::Liquid { volume_m3, .. } => ("liquid", format!("{} l", volume_m3 * 1e3)),
+                NodeEntryKind::Accumulator { volume_m3, .. } => {
+                    ("accumulator", format!("{} l", volume_m3 * 1e3))
+                }
                 NodeEntryKind::Junction => ("junction", String::new()),
                 NodeEntryKind::Boundary => ("boundary", format!("{:.3} kPa", node.pressure_pa * 1e-3)),
             };
@@ -93,7 +97,10 @@ impl Element {
         let kind = written.get("kind").and_then(|kind| kind.as_str()).unwrap_or("element").to_owned();
         let short = entry.id.strip_prefix(line).map(|rest| rest.trim_start_matches('_'));
         let label = short.filter(|rest| !rest.is_empty()).unwrap_or(&entry.id).to_owned();
-        let active = !matches!(kind.as_str(), "pipe" | "reference_pipe" | "heat_exchanger" | "bed");
+        let active = !matches!(
+            kind.as_str(),
+            "pipe" | "reference_pipe" | "heat_exchanger" | "bed" | "condenser" | "coolant_side" | "heater"
+        );
         Self { id: entry.id.clone(), label, kind, active }
     }
 }

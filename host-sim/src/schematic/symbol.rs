@@ -16,8 +16,11 @@ pub(super) fn symbol(kind: &str) -> Option<&'static str> {
         }
         "pump" => r#"<circle class="body" r=".95"/><path class="hub" d="M-.5-.8L.95 0L-.5.8Z"/>"#,
         // A condensing heat exchanger: coil, and a drop that leaves.
-        "heat_exchanger" => {
+        "heat_exchanger" | "condenser" | "coolant_side" => {
             r#"<path class="body" d="M-.95-.75H.95V.75H-.95Z"/><path d="M-.95 0H-.6L-.35-.5L0 .5L.35-.5L.6 0H.95"/><path class="hub" d="M.62.28C.9.62.78.68.62.68C.46.68.34.62.62.28Z"/>"#
+        }
+        "heater" => {
+            r#"<path class="body" d="M-.95-.6H.95V.6H-.95Z"/><path d="M-.7 .3L-.45-.3L-.15 .3L.15-.3L.45 .3L.7-.3"/>"#
         }
         "bed" => {
             r#"<path class="body" d="M-.8-.7Q-.8-.95 0-.95T.8-.7V.7Q.8.95 0 .95T-.8.7Z"/><path d="M-.8-.5H.8M-.8.5H.8M-.8-.1L-.2-.5M-.8.4L.55-.5M-.55.5L.8-.4M.2.5L.8.1"/>"#
@@ -49,7 +52,7 @@ mod tests {
 
     #[test]
     fn every_kind_that_a_file_can_name_has_a_symbol() {
-        for kind in ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed"] {
+        for kind in ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed", "condenser", "coolant_side", "heater"] {
             assert!(symbol(kind).is_some(), "{kind}");
         }
         assert_eq!(symbol("flux_capacitor"), None);

@@ -101,7 +101,7 @@ fn read_control(table: &mut Table<'_, '_>) -> Option<ControlEntry> {
             derivative_s: table.number("derivative_s", &limits::TIME),
             dead_band: table.number("dead_band", &limits::PRESSURE),
             bias: table.number("bias", &limits::FRACTION),
-            rate_per_s: table.number("rate_per_s", &limits::RATE),
+            rate_per_s: table.number("rate_per_s", &limits::OUTPUT_RATE),
         },
         _ => {
             let on_when = table.word("on_when", &["high", "low"]);

@@ -8,7 +8,7 @@ use ::eclss_core::process::{
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
+    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
     Sizes, StdElement,
 };
 
@@ -198,6 +198,7 @@ impl ::eclss_core::Compiled for Configured {
             composite: &PLAN_COMPOSITE,
             between: &PLAN_BETWEEN,
         },
+        climate: Climate::NONE,
     };
     const SETTINGS: Settings = Settings { method: METHOD, step_us: STEP_US };
 }
