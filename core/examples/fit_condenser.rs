@@ -3,6 +3,7 @@
 //!
 //! `cargo run --release -p eclss-core --example fit_condenser`
 
+#[allow(dead_code, reason = "shared with a test that reads more of it")]
 #[path = "../tests/support/effectiveness.rs"]
 mod effectiveness;
 

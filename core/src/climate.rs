@@ -216,7 +216,7 @@ impl Climate<'_> {
                     }
                 }
                 Passage::Heater { power_input } => {
-                    check_inputs(network, power_input, &[parts::HEATER_INPUT])?
+                    check_inputs(network, power_input, &[parts::HEATER_INPUT])?;
                 }
                 Passage::Condenser(_) | Passage::CoolantSide(_) => {}
             }

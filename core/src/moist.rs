@@ -5,7 +5,7 @@
 //! | [`saturation_pressure_pa`] | 0…60 °C | 8e-7 relative |
 //! | [`saturation_slope_pa_k`] | 0…60 °C | 1e-6 relative |
 //! | [`dew_point_k`] | 1 Pa over ice-free water … 60 °C | 1e-4 K |
-//! | [`humidity_ratio`], [`vapour_pressure_pa`] | p_v ≤ p/2 | 3e-7 relative |
+//! | [`humidity_ratio`], [`vapour_pressure_pa`] | `p_v` ≤ p/2 | 3e-7 relative |
 //! | [`enthalpy_j_kg`] | 0…60 °C, W ≤ 0.15 | 0.05 J/kg |
 //! | [`evaporation_enthalpy_j_kg`] | 0…60 °C | 0.3 J/kg |
 //!

@@ -6,7 +6,7 @@ use eclss_core::climate::{Contents, Crew, Exchanger, Passage, Remover, Source, S
 use eclss_core::element::{Fan, HeadCurve, Pipe};
 use eclss_core::{
     Active, Buffers, Climate, Health, Line, Method, Network, Node, NodeKind, Plan, Segment, Settings,
-    Simulator, StdElement, air, moist,
+    Simulator, StdElement, moist,
 };
 
 const REFERENCE_K: f32 = 295.15;

@@ -36,12 +36,14 @@ const TABLE: [[f32; 5]; 8] = [
     [455.0, 20.4, 0.0, 5.68, 7.2],
 ];
 
+/// The table's unit of mass flow, 1e-4 kg/min [kg/s].
+const KG_S: f32 = 1e-4 / 60.0;
+
 /// What one person gives at an activity: heat [W], and masses of the parts [kg/s], oxygen below 0.
 pub fn person(activity: f32) -> (f32, Parts) {
     let index = if activity > 0.0 { (activity + 0.5) as usize } else { 0 };
     let row = TABLE.get(index).or(TABLE.last()).unwrap_or(&[0.0; 5]);
     let [heat_kj_h, vapour, sweat, oxygen, carbon_dioxide] = *row;
-    const KG_S: f32 = 1e-4 / 60.0;
     let mut parts = [0.0; PARTS];
     parts[VAPOUR] = vapour * KG_S;
     parts[LIQUID] = sweat * KG_S;
@@ -57,7 +59,7 @@ impl Crew {
         InputSpec { name: "activity", unit: "1", min: 0.0, max: 7.0, default: 1.0 },
     ];
 
-    pub(crate) fn feed(&self, hash: &mut Fingerprint) {
+    pub(crate) fn feed(self, hash: &mut Fingerprint) {
         hash.word(self.node);
         hash.word(self.first_input);
     }

@@ -179,12 +179,12 @@ mod tests {
 
     #[test]
     fn a_good_separator_discharges_by_the_clock_and_loses_nothing() {
-        let (stores, released, _) = run(1.0, 101);
-        assert!(released.abs() < f32::MIN_POSITIVE);
-        // 10 g/s fill the separator in 50 s; what follows until the discharge at 100 s waits as a slug or leaves.
-        let (stores_short, _, _) = run(1.0, 40);
-        assert!((stores_short[0] - 0.4).abs() < 1e-4);
-        assert!(stores[2] > 0.0);
+        let (stores, released, _) = run(1.0, 40);
+        assert!(released.abs() < f32::MIN_POSITIVE && (stores[0] - 0.4).abs() < 1e-4);
+        // 10 g/s fill the separator in 50 s; what comes until the discharge at 100 s is lost.
+        let ([separator, _, tank, _, slug, ..], released, _) = run(1.0, 101);
+        assert!((tank - 0.5).abs() < 1e-3 && separator < 0.02, "{tank} {separator}");
+        assert!((slug + released - 0.5).abs() < 2e-3, "{slug} {released}");
     }
 
     #[test]

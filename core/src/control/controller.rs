@@ -140,7 +140,7 @@ impl Pid {
 
 impl Thermostat {
     #[inline]
-    fn step(&self, state: &mut [f32; 4], setpoint: f32, reading: f32) -> f32 {
+    fn step(self, state: &mut [f32; 4], setpoint: f32, reading: f32) -> f32 {
         let [_, _, last, output] = state;
         *last = reading;
         let error = if self.on_when_high { reading - setpoint } else { setpoint - reading };

@@ -20,7 +20,7 @@ pub fn saturation_pressure_pa(temperature_k: f32) -> f32 {
     AT_ZERO_PA * math::exp((A - t * (1.0 / B)) * (t / (C + t)))
 }
 
-/// Returns dp_s/dT [Pa/K] at `temperature_k` [K], 273.15…333.15.
+/// Returns `dp_s/dT` [Pa/K] at `temperature_k` [K], 273.15…333.15.
 #[inline]
 pub fn saturation_slope_pa_k(temperature_k: f32) -> f32 {
     let t = temperature_k - ZERO_CELSIUS_K;
@@ -32,7 +32,7 @@ pub fn saturation_slope_pa_k(temperature_k: f32) -> f32 {
 
 /// Returns the temperature [K] at which air whose vapour has `vapour_pa` [Pa, 1…20 000] begins to condense.
 ///
-/// The formula above solved for t: with L = ln(p_v/611.21), t²/B + (L − A)·t + L·C = 0. Below about 611 Pa the
+/// The formula above solved for t: with L = `ln(p_v/611.21)`, t²/B + (L − A)·t + L·C = 0. Below about 611 Pa the
 /// answer is a dew point over supercooled water. A vapour pressure below 1 Pa counts as 1 Pa.
 pub fn dew_point_k(vapour_pa: f32) -> f32 {
     let l = math::ln(math::larger(vapour_pa, 1.0) * (1.0 / AT_ZERO_PA));

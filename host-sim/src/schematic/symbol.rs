@@ -52,7 +52,18 @@ mod tests {
 
     #[test]
     fn every_kind_that_a_file_can_name_has_a_symbol() {
-        for kind in ["pipe", "reference_pipe", "valve", "fan", "pump", "heat_exchanger", "bed", "condenser", "coolant_side", "heater"] {
+        for kind in [
+            "pipe",
+            "reference_pipe",
+            "valve",
+            "fan",
+            "pump",
+            "heat_exchanger",
+            "bed",
+            "condenser",
+            "coolant_side",
+            "heater",
+        ] {
             assert!(symbol(kind).is_some(), "{kind}");
         }
         assert_eq!(symbol("flux_capacitor"), None);

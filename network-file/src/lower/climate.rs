@@ -210,14 +210,14 @@ impl Lowering<'_, '_> {
                 let segment = first + place as u32;
                 let passage = match &element.kind {
                     ElementKind::Condenser { .. } => Passage::Condenser(condensers[element.id.as_str()]),
-                    ElementKind::CoolantSide { condenser, .. } => match condensers.get(condenser.as_str()) {
-                        Some(&of) => Passage::CoolantSide(of),
-                        None => {
+                    ElementKind::CoolantSide { condenser, .. } => {
+                        let Some(&of) = condensers.get(condenser.as_str()) else {
                             let reason = format!("there is no condenser `{condenser}`");
                             self.notes.refuse_at(&path, &["condenser"], reason);
                             continue;
-                        }
-                    },
+                        };
+                        Passage::CoolantSide(of)
+                    }
                     ElementKind::Heater { starts, .. } => Passage::Heater {
                         power_input: self.inputs(&element.id, &[HEATER_INPUT], starts, &path),
                     },

@@ -94,24 +94,23 @@ pub(super) fn read_coil(element: &mut Table<'_, '_>) -> CoilEntry {
 
 fn read_control(table: &mut Table<'_, '_>) -> Option<ControlEntry> {
     let id = table.need_id("id");
-    let kind = match table.need_kind("kind", &["pid", "thermostat"])?.as_str() {
-        "pid" => ControlKind::Pid {
+    let kind = if table.need_kind("kind", &["pid", "thermostat"])? == "pid" {
+        ControlKind::Pid {
             gain: table.need_number("gain", &limits::ANY),
             integral_s: table.number("integral_s", &limits::SOME_TIME),
             derivative_s: table.number("derivative_s", &limits::TIME),
             dead_band: table.number("dead_band", &limits::PRESSURE),
             bias: table.number("bias", &limits::FRACTION),
             rate_per_s: table.number("rate_per_s", &limits::OUTPUT_RATE),
-        },
-        _ => {
-            let on_when = table.word("on_when", &["high", "low"]);
-            if on_when.is_none() && !table.has("on_when") {
-                table.refuse("on_when", "`on_when` is missing: \"high\" or \"low\"");
-            }
-            ControlKind::Thermostat {
-                half_band: table.need_number("half_band", &limits::PRESSURE),
-                on_when: on_when.unwrap_or_default(),
-            }
+        }
+    } else {
+        let on_when = table.word("on_when", &["high", "low"]);
+        if on_when.is_none() && !table.has("on_when") {
+            table.refuse("on_when", "`on_when` is missing: \"high\" or \"low\"");
+        }
+        ControlKind::Thermostat {
+            half_band: table.need_number("half_band", &limits::PRESSURE),
+            on_when: on_when.unwrap_or_default(),
         }
     };
     Some(ControlEntry {
