@@ -327,9 +327,11 @@ fn pass(
                 coil.pass_air(stream, at.step_s, pressure, reversed);
             }
             if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
-                *heat = before.energy_j - stream.energy_j;
                 *water = before.vapour_kg() - stream.vapour_kg();
                 *theta = stream.theta_k(&climate.air);
+                // What condenses leaves as a liquid, which lies below its vapour by the evaporation enthalpy.
+                let liquid = climate.air.flowing_j_kg_k[LIQUID] * *theta - climate.air.latent_j_kg;
+                *heat = (before.energy_j - stream.energy_j) - *water * liquid;
             }
         }
         Passage::CoolantSide(of) => {

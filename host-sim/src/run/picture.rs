@@ -1,6 +1,7 @@
 //! A run as a picture: flows, pressures, inputs and φ over time.
 
-use eclss_network_file::Quantity;
+use eclss_core::climate::medium;
+use eclss_network_file::{AirFigure, ExchangerFigure, Quantity};
 
 use super::RunReport;
 use crate::plot::style::CYCLE;
@@ -15,14 +16,97 @@ struct Kind {
     title: &'static str,
     label: &'static str,
     factor: f64,
+    offset: f64,
     shows: fn(Figure) -> bool,
 }
 
-const KINDS: [Kind; 4] = [
+/// Whether a figure is a part's partial pressure that is shown with another.
+fn partial(figure: Figure, of: impl Fn(usize) -> bool) -> bool {
+    matches!(figure, Figure::Point(Quantity::Air { figure: AirFigure::Partial(part), .. }) if of(part))
+}
+
+/// Whether a figure of a condenser is one of `wanted`.
+fn of_exchanger(figure: Figure, wanted: &[ExchangerFigure]) -> bool {
+    matches!(figure, Figure::Point(Quantity::Exchanger { figure, .. }) if wanted.contains(&figure))
+}
+
+/// Whether a figure of a volume is `wanted`.
+fn of_air(figure: Figure, wanted: AirFigure) -> bool {
+    matches!(figure, Figure::Point(Quantity::Air { figure, .. }) if figure == wanted)
+}
+
+const KINDS: [Kind; 12] = [
+    Kind {
+        title: "temperature and dew point",
+        label: "temperature [°C]",
+        factor: 1.0,
+        offset: -273.15,
+        shows: |figure| {
+            of_air(figure, AirFigure::Temperature)
+                || of_air(figure, AirFigure::DewPoint)
+                || of_exchanger(figure, &[ExchangerFigure::AirOutlet])
+        },
+    },
+    Kind {
+        title: "relative humidity",
+        label: "relative humidity [%]",
+        factor: 100.0,
+        offset: 0.0,
+        shows: |figure| of_air(figure, AirFigure::RelativeHumidity),
+    },
+    Kind {
+        title: "oxygen",
+        label: "partial pressure [kPa]",
+        factor: 1e-3,
+        offset: 0.0,
+        shows: |figure| partial(figure, |part| part == medium::OXYGEN),
+    },
+    Kind {
+        title: "carbon dioxide, vapour, trace gases",
+        label: "partial pressure [Pa]",
+        factor: 1.0,
+        offset: 0.0,
+        shows: |figure| partial(figure, |part| part != medium::OXYGEN),
+    },
+    Kind {
+        title: "heat of condensers",
+        label: "heat [W]",
+        factor: 1.0,
+        offset: 0.0,
+        shows: |figure| of_exchanger(figure, &[ExchangerFigure::Heat, ExchangerFigure::CoolantHeat]),
+    },
+    Kind {
+        title: "condensate",
+        label: "water out of the air [g/h]",
+        factor: 3.6e6,
+        offset: 0.0,
+        shows: |figure| of_exchanger(figure, &[ExchangerFigure::Condensate]),
+    },
+    Kind {
+        title: "water",
+        label: "water [kg]",
+        factor: 1.0,
+        offset: 0.0,
+        shows: |figure| {
+            of_air(figure, AirFigure::Liquid)
+                || of_exchanger(
+                    figure,
+                    &[ExchangerFigure::Film, ExchangerFigure::Separator, ExchangerFigure::Tank],
+                )
+        },
+    },
+    Kind {
+        title: "does one well-mixed volume hold (1), or not (0)",
+        label: "mixed [1]",
+        factor: 1.0,
+        offset: 0.0,
+        shows: |figure| of_air(figure, AirFigure::Mixed),
+    },
     Kind {
         title: "mass flow",
         label: "mass flow [g/s]",
         factor: 1e3,
+        offset: 0.0,
         shows: |figure| {
             matches!(figure, Figure::Point(Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. }))
         },
@@ -31,6 +115,7 @@ const KINDS: [Kind; 4] = [
         title: "pressure",
         label: "gauge pressure [Pa]",
         factor: 1.0,
+        offset: 0.0,
         shows: |figure| {
             matches!(figure, Figure::Point(Quantity::NodePressure { .. } | Quantity::OutletPressure { .. }))
         },
@@ -39,18 +124,39 @@ const KINDS: [Kind; 4] = [
         title: "inputs",
         label: "input [1]",
         factor: 1.0,
+        offset: 0.0,
         shows: |figure| matches!(figure, Figure::Point(Quantity::Input { .. })),
     },
     Kind {
         title: "smallest φ of a step",
         label: "φ [1]",
         factor: 1.0,
+        offset: 0.0,
         shows: |figure| figure == Figure::Phi,
     },
 ];
 
+/// Unit of the time axis.
+#[derive(Clone, Copy)]
+struct Clock {
+    label: &'static str,
+    seconds: f64,
+}
+
+impl Clock {
+    /// The unit that suits a run of this length.
+    fn of(seconds: f64) -> Self {
+        if seconds > 7_200.0 {
+            Self { label: "time [h]", seconds: 3_600.0 }
+        } else {
+            Self { label: "time [s]", seconds: 1.0 }
+        }
+    }
+}
+
 /// Draws what the run wrote down.
 pub fn picture(report: &RunReport, trace: &Trace) -> String {
+    let clock = Clock::of(report.end.t_s);
     let mut remarks = Vec::new();
     let mut panels = Vec::new();
     for kind in &KINDS {
@@ -66,7 +172,7 @@ pub fn picture(report: &RunReport, trace: &Trace) -> String {
                 found.len()
             ));
         }
-        panels.push(panel(trace, kind, &found, report.diverged.is_some()));
+        panels.push(panel(trace, kind, &found, report.diverged.is_some(), clock));
     }
     if report.pseudo_time {
         remarks
@@ -79,11 +185,15 @@ pub fn picture(report: &RunReport, trace: &Trace) -> String {
     Plot { title, panels, columns: 2, panel_size: (520, 340), remarks }.svg()
 }
 
-fn panel(trace: &Trace, kind: &Kind, columns: &[usize], diverged: bool) -> Panel {
+fn panel(trace: &Trace, kind: &Kind, columns: &[usize], diverged: bool, clock: Clock) -> Panel {
     let dashes = [Dash::Solid, Dash::Dashed, Dash::Dotted];
     let mut curves = Vec::new();
     for (order, column) in columns.iter().take(CURVES).enumerate() {
-        let points = thin(&trace.curve(*column, kind.factor), 500);
+        let mut points = trace.curve(*column, kind.factor);
+        for (time, height) in &mut points {
+            (*time, *height) = (*time / clock.seconds, *height + kind.offset);
+        }
+        let points = thin(&points, 500);
         let dash = dashes[order % dashes.len()];
         curves.push(Curve::new(short(&trace.columns()[*column].name), CYCLE[order], dash, points));
     }
@@ -103,7 +213,7 @@ fn panel(trace: &Trace, kind: &Kind, columns: &[usize], diverged: bool) -> Panel
     } else {
         Axis::around(kind.label, shown.iter().copied(), 1e-3)
     };
-    let mut panel = Panel::new(kind.title, Axis::linear("time [s]", 0.0, end), y);
+    let mut panel = Panel::new(kind.title, Axis::linear(clock.label, 0.0, end), y);
     panel.curves = curves;
     panel
 }
@@ -113,6 +223,15 @@ fn short(name: &str) -> &str {
     if name == "phi" {
         return "φ";
     }
-    let endings = [".mass_flow_kg_s", ".outlet_pressure_gauge_pa", ".pressure_gauge_pa"];
+    let endings = [
+        ".mass_flow_kg_s",
+        ".outlet_pressure_gauge_pa",
+        ".pressure_gauge_pa",
+        "_kg_s",
+        "_pa",
+        "_kg",
+        "_w",
+        "_k",
+    ];
     endings.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name)
 }
