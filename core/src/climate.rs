@@ -12,6 +12,7 @@ pub mod condenser;
 pub mod crew;
 pub mod exchanger;
 pub mod medium;
+pub mod monitor;
 mod observe;
 pub mod parts;
 pub mod regulation;
