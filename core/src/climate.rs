@@ -27,7 +27,7 @@ pub use observe::Ledger;
 pub(crate) use observe::Observed;
 pub use parts::{Passage, Remover, Source, Station, Wall};
 pub use regulation::{ControlLoop, Measure};
-pub(crate) use step::{Stepped, control, start, step};
+pub(crate) use step::{Given, Stepped, control, start, step};
 pub use volume::{Contents, Readings, Volume};
 
 use self::medium::{Medium, PARTS};

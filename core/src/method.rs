@@ -75,17 +75,24 @@ impl Method {
 
     /// Returns the lengths of the buffers that `network` needs with this method.
     pub fn sizes<E: Element>(self, network: &Network<'_, E>) -> Sizes {
-        let (state, work) = match self {
-            Self::Euler | Self::Relaxation => relaxation::sizes(network),
-            Self::Adaptive => adaptive::sizes(network),
-            Self::ImplicitEuler | Self::TrBdf2 => implicit::sizes(network),
-        };
+        let (state, work) = self.own_sizes(network);
         let (climate_state, climate_work) = climate::sizes(network);
         let (state, work) = (state + climate_state, work + climate_work);
         Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
 
-    /// The same for buffers of these lengths that were cut by [`Self::sizes`], without a look at every line of a
+    /// Lengths of the method's own part of state and work.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
+    fn own_sizes<E: Element>(self, network: &Network<'_, E>) -> (usize, usize) {
+        match self {
+            Self::Euler | Self::Relaxation => relaxation::sizes(network),
+            Self::Adaptive => adaptive::sizes(network),
+            Self::ImplicitEuler | Self::TrBdf2 => implicit::sizes(network),
+        }
+    }
+
+    /// The same without the climate's parts for buffers of these lengths that were cut by it, without a look at every line of a
     /// large network. `KNOWN` says that the compiler knows the description.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
@@ -100,7 +107,7 @@ impl Method {
                 adaptive::sizes_known(network)
             }
             Self::Adaptive => (state, work),
-            _ => return self.sizes(network),
+            _ => self.own_sizes(network),
         };
         Sizes { state, work, inputs: 3 * network.inputs.len(), cursors: network.schedules.len() }
     }
@@ -110,6 +117,15 @@ impl Method {
         match self {
             Self::Adaptive => adaptive::NODE_FIGURES,
             Self::Euler | Self::Relaxation | Self::ImplicitEuler | Self::TrBdf2 => 1,
+        }
+    }
+
+    /// Where in the state the sum stands that the first line gave, with its carry behind it, and the places between
+    /// two lines.
+    pub(crate) const fn given_at(self, nodes: usize) -> (usize, usize) {
+        match self {
+            Self::Adaptive => (adaptive::State::line_at(nodes, 0) + 1, adaptive::State::line_at(0, 1)),
+            _ => (4 * nodes + 2, 6),
         }
     }
 

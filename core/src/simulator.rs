@@ -10,7 +10,6 @@ pub use split::SplitSimulator;
 
 use crate::climate::{self, ClimateError, ExchangerReadings, Ledger, Readings};
 use crate::element::{Element, StdElement};
-use crate::method::common::{Common, Cut};
 use crate::method::implicit::StageInputs;
 use crate::method::observe::Observer;
 use crate::method::{adaptive, implicit, relaxation};
@@ -144,6 +143,14 @@ fn follow_schedules<E: Element>(
     }
 }
 
+/// Cuts the last `length` numbers off.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn cut_tail(buffer: &mut [f32], length: usize) -> Option<(&mut [f32], &mut [f32])> {
+    let first = buffer.len().checked_sub(length)?;
+    buffer.split_at_mut_checked(first)
+}
+
 /// One network under one method: steps, counts and answers for the state.
 #[derive(Debug)]
 pub struct Simulator<'a, E = StdElement> {
@@ -209,6 +216,10 @@ impl<'a, E: Element> Simulator<'a, E> {
         }
         cursors.fill(0);
         let step_s = settings.step_us as f32 * 1e-6;
+        let (climate_state, climate_work) = climate::sizes(network);
+        let (state, climate_state) = state.split_at_mut(state.len().saturating_sub(climate_state));
+        let (work, climate_work) = work.split_at_mut(work.len().saturating_sub(climate_work));
+        climate::start(network, climate_state, climate_work, inputs);
         match settings.method {
             Method::Euler | Method::Relaxation => relaxation::start(network, state, work, inputs),
             Method::Adaptive => adaptive::start(network, step_s, state, work, inputs),
@@ -253,10 +264,16 @@ impl<'a, E: Element> Simulator<'a, E> {
             return self.health;
         }
         // The lengths are what they were when the simulator was built; said again they are known here.
-        let sizes = settings.method.step_sizes::<E, UNROLL>(network, self.state.len(), self.work.len());
+        let (climate_state, climate_work) = climate::sizes(network);
+        let (Some((state, climate_state)), Some((work, climate_work))) =
+            (cut_tail(self.state, climate_state), cut_tail(self.work, climate_work))
+        else {
+            return self.health;
+        };
+        let sizes = settings.method.step_sizes::<E, UNROLL>(network, state.len(), work.len());
         let (Some(state), Some(work), Some(inputs), Some(cursors)) = (
-            self.state.get_mut(..sizes.state),
-            self.work.get_mut(..sizes.work),
+            state.get_mut(..sizes.state),
+            work.get_mut(..sizes.work),
             self.inputs.get_mut(..sizes.inputs),
             self.cursors.get_mut(..sizes.cursors),
         ) else {
@@ -264,15 +281,24 @@ impl<'a, E: Element> Simulator<'a, E> {
         };
         follow_schedules(network, settings, self.time_us, inputs, cursors);
         let h = settings.step_us as f32 * 1e-6;
-        let (climate_state, climate_work) = climate::sizes(network);
-        let (state, climate_state) = state.split_at_mut(sizes.state.saturating_sub(climate_state));
-        let (work, climate_work) = work.split_at_mut(sizes.work.saturating_sub(climate_work));
         if !network.climate.loops.is_empty() {
             climate::control(network, h, self.tick, climate_state, climate_work, inputs);
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
-        let (margin, place) = step(h, state, work, StageInputs { start, middle, end });
+        let (margin, mut place) = step(h, state, work, StageInputs { start, middle, end });
+        if !network.climate.is_none() {
+            let (first, stride) = settings.method.given_at(network.nodes.len());
+            let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
+            let at = climate::Stepped { step_s: h, inputs: start, given };
+            let stride = settings.method.node_stride();
+            let gauge = |node: usize, gauge_pa: f32| {
+                if let Some(pressure) = work.get_mut(node * stride) {
+                    *pressure = gauge_pa;
+                }
+            };
+            place = place.or(climate::step(network, at, climate_state, climate_work, gauge));
+        }
         self.margin = margin;
         self.worst_margin = if self.tick == 0 { margin } else { self.worst_margin.with(margin) };
         self.unproven_ticks += u64::from(margin.proof == Proof::None);

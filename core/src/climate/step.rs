@@ -10,7 +10,6 @@ use super::volume::{self, Constants, Contents, ENERGY, Held, STORED, Stored};
 use super::{Climate, Measure, crew};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
-use crate::method::common::LineState;
 use crate::simulator::Place;
 use crate::{Line, Network, math};
 
@@ -174,8 +173,17 @@ pub(crate) struct Stepped<'s> {
     pub(crate) step_s: f32,
     /// Inputs of the step.
     pub(crate) inputs: &'s [f32],
-    /// State of all lines as the flow method left it.
-    pub(crate) lines: &'s [LineState],
+    /// What all lines have given.
+    pub(crate) given: Given<'s>,
+}
+
+/// What all lines have given to their outlet nodes since the start, as the flow method sums it.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'s> {
+    /// Sum and carry of the first line, and so on [kg].
+    pub(crate) sums: &'s [f32],
+    /// Places between two lines.
+    pub(crate) stride: usize,
 }
 
 /// Moves masses and energy with the flows of the step that the method has just taken. Calls `gauge` with every gas
@@ -259,11 +267,15 @@ fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &mut Work<'_>
 fn move_lines<E>(network: &Network<'_, E>, at: Stepped<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
     let climate = &network.climate;
     let mut stations = climate.stations;
-    for (index, (line, flows)) in network.lines.iter().zip(at.lines).enumerate() {
+    for (index, line) in network.lines.iter().enumerate() {
         let count = stations.iter().take_while(|station| station.line as usize == index).count();
         let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
         stations = rest;
-        let [_, _, sum, carry, ..] = *flows;
+        let Some(&[sum, carry]) =
+            at.given.sums.get(index * at.given.stride..).and_then(|rest| rest.first_chunk())
+        else {
+            continue;
+        };
         let Some([last_sum, last_carry]) = work.given.get_mut(index) else { continue };
         // What the method's compensated sum grew by in this step.
         let mass = (sum - *last_sum) - (carry - *last_carry);

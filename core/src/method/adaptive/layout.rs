@@ -69,7 +69,7 @@ impl<'s> State<'s> {
     }
 
     /// First value of a line's state.
-    pub(crate) fn line_at(nodes: usize, line: usize) -> usize {
+    pub(crate) const fn line_at(nodes: usize, line: usize) -> usize {
         4 * nodes + 3 * line
     }
 
