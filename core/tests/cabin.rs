@@ -136,6 +136,10 @@ impl Cabin {
                 diagonal: &[0],
                 stamps: &[[0, Plan::NOWHERE, Plan::NOWHERE, 0]],
                 row_of: &[0],
+                leaves: &[[Plan::NOWHERE; 2]],
+                terms: &[[4, 1, Plan::NOWHERE], [7, 1, Plan::NOWHERE]],
+                composite: &[0],
+                between: &[[Plan::NOWHERE; 2], [0, 0]],
             },
             climate: Climate {
                 reference_k: REFERENCE_K,

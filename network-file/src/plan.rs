@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use eclss_core::{Element, Line, Network, Node, NodeKind, Plan, Segment};
+use eclss_core::{Climate, Element, Line, Network, Node, NodeKind, Plan, Segment};
 
 /// Owned connection tables; what [`Plan`] borrows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -81,6 +81,7 @@ impl PlanTables {
             schedules: &[],
             points: &[],
             plan: Plan::EMPTY,
+            climate: Climate::NONE,
         };
         let composite = (0u32..).zip(lines).filter(|(_, line)| Plan::is_composite(&network, line));
         self.composite = composite.map(|(index, _)| index).collect();

@@ -94,7 +94,8 @@ pub fn close(loaded: &Loaded, method: Method, step_us: u32, until_us: u64) -> Re
                     total_kg += pressure * f64::from(volume_m3) / gas;
                 }
                 NodeKind::Boundary => entered_kg -= simulator.node_mass_kg(index),
-                NodeKind::Junction => {}
+                // A liquid keeps its mass but for what a few pascals press in.
+                NodeKind::Liquid { .. } | NodeKind::Junction => {}
             }
         }
         let mut drained_kg = 0.0;

@@ -82,6 +82,7 @@ impl Drawn {
             .iter()
             .map(|node| match node.kind {
                 NodeKind::Cabin { volume_m3 } => GAS_J_KG / f64::from(volume_m3),
+                NodeKind::Liquid { capacity_kg_pa } => 1.0 / f64::from(capacity_kg_pa),
                 NodeKind::Boundary | NodeKind::Junction => 0.0,
             })
             .collect();

@@ -46,6 +46,7 @@ impl Explicit {
             NodeKind::Cabin { volume_m3 } => {
                 step_s * 287.05 * f64::from(node.temperature_k) / f64::from(volume_m3)
             }
+            NodeKind::Liquid { capacity_kg_pa } => step_s / f64::from(capacity_kg_pa),
             NodeKind::Boundary | NodeKind::Junction => 0.0,
         };
         Self {
