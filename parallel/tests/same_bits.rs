@@ -2,8 +2,8 @@
 
 use eclss_core::element::{Fan, HeadCurve, HeatExchanger, Pipe, Valve};
 use eclss_core::{
-    Active, Buffers, Element, Health, Line, Method, Network, Node, NodeKind, Place, Plan, Segment, Settings,
-    Simulator, StdElement,
+    Active, Buffers, Climate, Element, Health, Line, Method, Network, Node, NodeKind, Place, Plan, Segment,
+    Settings, Simulator, StdElement,
 };
 use eclss_network_file::generate::{Shape, generate};
 use eclss_network_file::parse;
@@ -112,6 +112,7 @@ impl Drawn {
             schedules: &[],
             points: &[],
             plan: Plan { end_start: &self.end_start, ends: &self.ends, ..Plan::EMPTY },
+            climate: Climate::NONE,
         }
     }
 }
