@@ -1,7 +1,7 @@
 // Generated from a network file; do not edit.
 
 #[allow(unused_imports)] // a network need not have every kind of element
-use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
@@ -39,16 +39,16 @@ pub const EULER: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 
 pub const RELAXATION: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 426, work: 426, inputs: 165, cursors: 4 };
+pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 424, inputs: 165, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 593, inputs: 165, cursors: 4 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 679, inputs: 165, cursors: 4 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 488, work: 593, inputs: 165, cursors: 4 };
+pub const TR_BDF2: Sizes = Sizes { state: 488, work: 679, inputs: 165, cursors: 4 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 488, work: 593, inputs: 165, cursors: 4 };
+pub const BUFFERS: Sizes = Sizes { state: 488, work: 679, inputs: 165, cursors: 4 };
 
 /// Nodes.
 pub static NODES: [Node; 7] = [
@@ -303,7 +303,15 @@ static PLAN_DIAGONAL: [u32; 6] = [0, 4, 8, 9, 13, 17];
 
 static PLAN_ROW_OF: [u32; 7] = [0, 1, 2, 4294967295, 3, 4, 5];
 
+static PLAN_COMPOSITE: [u32; 4] = [0, 1, 3, 5];
+
 static PLAN_STAMPS: [[u32; 4]; 8] = [[0, 1, 3, 4], [4, 5, 7, 8], [4, 5, 7, 8], [8, 6, 2, 0], [0, 4294967295, 4294967295, 4294967295], [9, 10, 12, 13], [13, 14, 16, 17], [17, 15, 11, 9]];
+
+static PLAN_LEAVES: [[u32; 2]; 0] = [];
+
+static PLAN_TERMS: [[u32; 3]; 16] = [[24, 7, 1], [35, 7, 2], [14, 3, 4294967295], [27, 7, 0], [28, 7, 2], [8, 7, 2], [31, 7, 1], [9, 7, 1], [32, 7, 0], [15, 7, 0], [36, 7, 4], [23, 7, 5], [39, 7, 3], [20, 7, 5], [21, 7, 4], [22, 7, 3]];
+
+static PLAN_BETWEEN: [[u32; 2]; 12] = [[4294967295, 4294967295], [0, 1], [4294967295, 4294967295], [1, 2], [1, 2], [4294967295, 4294967295], [2, 0], [0, 3], [4294967295, 4294967295], [4, 5], [5, 6], [6, 4]];
 
 /// What the nodes hold.
 pub static VOLUMES: [Volume; 7] = [
@@ -386,6 +394,10 @@ impl ::eclss_core::Compiled for Configured {
             diagonal: &PLAN_DIAGONAL,
             stamps: &PLAN_STAMPS,
             row_of: &PLAN_ROW_OF,
+            leaves: &PLAN_LEAVES,
+            terms: &PLAN_TERMS,
+            composite: &PLAN_COMPOSITE,
+            between: &PLAN_BETWEEN,
         },
         climate: Climate {
             reference_k: 295.15,

@@ -34,16 +34,16 @@ pub const EULER: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
 pub const RELAXATION: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
+pub const ADAPTIVE: Sizes = Sizes { state: 34, work: 83, inputs: 12, cursors: 2 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 287, inputs: 12, cursors: 2 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 84, work: 287, inputs: 12, cursors: 2 };
+pub const TR_BDF2: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 40, work: 84, inputs: 12, cursors: 2 };
+pub const BUFFERS: Sizes = Sizes { state: 34, work: 83, inputs: 12, cursors: 2 };
 
 /// Nodes.
 pub static NODES: [Node; 4] = [
