@@ -38,7 +38,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if matches!(which, "all" | "large") {
         for nodes in or(&[500_000]) {
-            println!("{:#?}", large_cost(nodes)?);
+            // Alone, then with all processors.
+            for threads in [1, 0] {
+                println!("{:#?}", large_cost(nodes, threads)?);
+            }
         }
     }
     Ok(())

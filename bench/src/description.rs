@@ -128,11 +128,9 @@ impl Description {
         }
     }
 
-    /// Bytes of the description that a step of `adaptive` reads.
-    pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes)
-            + size_of_val(&*self.lines)
-            + 4 * (self.plan.end_start.len() + self.plan.ends.len())
+    /// Bytes of the description that a step of `adaptive` in ranges reads: which lines end at a node.
+    pub(crate) fn plan_bytes(&self) -> usize {
+        4 * (self.plan.end_start.len() + self.plan.ends.len())
     }
 
     fn node(&mut self, volume_m3: Option<f32>, start_gauge_pa: f32) -> u32 {

@@ -41,6 +41,8 @@ pub enum Failure {
     Build(BuildError),
     /// A run left its range: a faulted step costs nothing and must not be counted.
     Faulted(&'static str),
+    /// Threads could not be started; the system's own words.
+    Threads(String),
     /// The other solver gave up; its own words.
     Peer(String),
 }
@@ -50,6 +52,7 @@ impl fmt::Display for Failure {
         match self {
             Self::Build(error) => write!(f, "the network was refused: {error}"),
             Self::Faulted(method) => write!(f, "the run with {method} left its range"),
+            Self::Threads(words) => write!(f, "no threads: {words}"),
             Self::Peer(words) => write!(f, "the other solver gave up: {words}"),
         }
     }

@@ -25,11 +25,6 @@ impl Runner {
         }
     }
 
-    /// Bytes of state and work.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.state) + size_of_val(&*self.work)
-    }
-
     /// Builds the simulator at its start state with a step of `step_us` [µs].
     pub fn simulator<'s>(
         &'s mut self,

@@ -1,5 +1,6 @@
 //! One run of any network: what was asked, what came out.
 
+mod driver;
 mod picture;
 mod plan;
 mod report;
@@ -14,9 +15,9 @@ pub(crate) use table::{bound, part};
 
 use eclss_core::{Health, Proof, Simulator};
 
-use crate::refusal::refused;
 use crate::trace::{Column, Trace};
-use crate::{Failure, HostBuffers, Progress, Source};
+use crate::{Failure, Progress, Source};
+use driver::{Driver, Numbers};
 
 /// Rows that a record holds at most, unless an interval was asked for.
 const ROWS: u64 = 20_000;
@@ -27,9 +28,8 @@ const VALUES: u64 = 40_000_000;
 pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(RunReport, Trace), Failure> {
     let loaded = &source.loaded;
     let network = loaded.network();
-    let mut buffers = HostBuffers::default();
-    let mut simulator =
-        buffers.simulator(&network, plan.settings).map_err(|error| refused(source, plan.settings, &error))?;
+    let mut numbers = Numbers::default();
+    let mut driver = Driver::new(source, plan, &network, &mut numbers)?;
     let columns = Column::all(&loaded.records);
     let every = interval(plan, columns.len() as u64)?;
     let mut trace = Trace::new(columns, every);
@@ -38,22 +38,25 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
-        trace.note(&simulator);
-        if simulator.health() != Health::Trusted {
+        let (tick, trusted) = (driver.counters().tick(), driver.counters().health() == Health::Trusted);
+        if trace.is_due(driver.counters()) {
+            trace.note(driver.simulator());
+        }
+        if !trusted {
             break;
         }
-        if due.next_if_eq(&simulator.tick()).is_some() {
-            snapshots.push(Snapshot::take(loaded, &simulator));
+        if due.next_if_eq(&tick).is_some() {
+            snapshots.push(Snapshot::take(loaded, driver.simulator()));
         }
-        if simulator.tick() >= plan.ticks {
+        if tick >= plan.ticks {
             break;
         }
-        simulator.step();
-        guarded_ticks += u64::from(simulator.margin().proof == Proof::ShortStep);
-        tell(&simulator, progress);
+        driver.step();
+        guarded_ticks += u64::from(driver.counters().margin().proof == Proof::ShortStep);
+        tell(driver.counters(), progress);
     }
     progress.finish();
-    Ok((RunReport::new(source, plan, snapshots, &simulator, guarded_ticks), trace))
+    Ok((RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks), trace))
 }
 
 /// Ticks between two rows of a record with `columns`.

@@ -146,10 +146,14 @@ impl Trace {
         Self { columns, every: every.max(1), times_us: Vec::new(), values: Vec::new() }
     }
 
+    /// Whether a row would be written now.
+    pub fn is_due<E: Element>(&self, simulator: &Simulator<'_, E>) -> bool {
+        simulator.tick() % self.every == 0 || simulator.health() != Health::Trusted
+    }
+
     /// Writes the present figures down if it is their time, or if the run has just left its range.
     pub fn note<E: Element>(&mut self, simulator: &Simulator<'_, E>) {
-        let due = simulator.tick() % self.every == 0 || simulator.health() != Health::Trusted;
-        if due && self.times_us.last() != Some(&simulator.time_us()) {
+        if self.is_due(simulator) && self.times_us.last() != Some(&simulator.time_us()) {
             self.times_us.push(simulator.time_us());
             let segments = Segments::of(simulator);
             self.values.extend(self.columns.iter().map(|column| column.figure.read(simulator, &segments)));

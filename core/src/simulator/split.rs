@@ -46,9 +46,10 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
         })
     }
 
-    /// Ticks taken, without a look at the state.
-    pub fn tick(&self) -> u64 {
-        self.simulator.tick
+    /// The simulator for its tick, health and margin: its pressures and φ are those of the last call of
+    /// [`Self::simulator`].
+    pub fn counters(&self) -> &Simulator<'a, E> {
+        &self.simulator
     }
 
     /// Sets an input, see [`Simulator::set_input`].
