@@ -11,7 +11,7 @@ use diffsol::{FaerSparseLU, FaerSparseMat, OdeBuilder, OdeSolverMethod};
 use crate::Failure;
 use crate::chains::{FRAMES, REPEATS, STEP_US, timed};
 use crate::description::{CLOSING_US, REMAINS_OPEN};
-use crate::turns::frames;
+use crate::turns::{Frames, frames};
 
 type Matrix = FaerSparseMat<f64>;
 type Lu = FaerSparseLU<f64>;
@@ -32,8 +32,8 @@ fn valve(t_s: f64) -> f64 {
     85.978_462 * opening.powf(-3.134_165)
 }
 
-/// Mean and worst frame of BDF on a chain of `n` equations [ns].
-pub(crate) fn bdf_frames_ns(n: usize) -> Result<(f64, f64), Failure> {
+/// Frames of BDF on a chain of `n` equations.
+pub(crate) fn bdf_frames(n: usize) -> Result<Frames, Failure> {
     let peer = |error: diffsol::error::DiffsolError| Failure::Peer(error.to_string());
     let last = n - 1;
     let pipe = PIPES / last as f64;

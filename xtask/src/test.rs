@@ -51,6 +51,8 @@ fn lints() -> Outcome {
     // With the tests that need an emulator or a browser, which are compiled but not run by the host's stages.
     let boards = ["--all-targets", "--features", "eclss-tests/qemu,eclss-host-sim/browser"];
     cargo(&[&["clippy"], &MOST[..], &boards, &strict].concat())?;
+    // The solver to compare with is too long a build for more than seeing that it still fits.
+    cargo(&["check", "--package", "eclss-bench", "--all-targets", "--features", "peers"])?;
     cargo(&[&["clippy", "--all-targets"], &APPLICATION[..], &strict].concat())
 }
 
