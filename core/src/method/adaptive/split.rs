@@ -170,13 +170,10 @@ struct Lines<'r> {
     both_ends: &'r mut [[Transfer; 2]],
 }
 
-impl<'r> Lines<'r> {
-    /// Cuts the range in two; nothing where it is not cut.
-    fn halves(self) -> Result<(Self, Self), Self> {
+impl Lines<'_> {
+    /// Cuts the range in two.
+    fn halves(self) -> (Self, Self) {
         let at = self.between.len() / 2;
-        if at < RANGE {
-            return Err(self);
-        }
         let middle = self.first + at;
         let special = self.specials.partition_point(|special| (index_of(special) as usize) < middle);
         let (between, laws) = (self.between.split_at(at), self.laws.split_at(at));
@@ -205,20 +202,19 @@ impl<'r> Lines<'r> {
             drained: drained.1,
             both_ends: both_ends.1,
         };
-        Ok((left, right))
+        (left, right)
     }
 }
 
 /// Steps lines between pressures that do not move meanwhile.
 fn step_lines(join: &impl Join, h: f32, pressures: &[f32], lines: Lines<'_>) -> Watch {
-    match lines.halves() {
-        Ok((left, right)) => {
-            let (left, right) =
-                join.join(|| step_lines(join, h, pressures, left), || step_lines(join, h, pressures, right));
-            left.with(right)
-        }
-        Err(all) => step_range(h, pressures, all),
+    if lines.between.len() < 2 * RANGE {
+        return step_range(h, pressures, lines);
     }
+    let (left, right) = lines.halves();
+    let (left, right) =
+        join.join(|| step_lines(join, h, pressures, left), || step_lines(join, h, pressures, right));
+    left.with(right)
 }
 
 /// Steps a range of lines: runs of ordinary ones, and the special ones between.
@@ -303,12 +299,10 @@ struct Nodes<'r> {
     constants: &'r [NodeConstants],
 }
 
-impl<'r> Nodes<'r> {
-    fn halves(self) -> Result<(Self, Self), Self> {
+impl Nodes<'_> {
+    /// Cuts the range in two.
+    fn halves(self) -> (Self, Self) {
         let at = self.states.len() / 2;
-        if at < RANGE {
-            return Err(self);
-        }
         let (states, pressures) = (self.states.split_at_mut(at), self.pressures.split_at_mut(at));
         let constants = self.constants.split_at(at);
         let starts = (self.starts.get(..=at).unwrap_or(&[]), self.starts.get(at..).unwrap_or(&[]));
@@ -316,7 +310,7 @@ impl<'r> Nodes<'r> {
             Self { starts: starts.0, states: states.0, pressures: pressures.0, constants: constants.0 };
         let right =
             Self { starts: starts.1, states: states.1, pressures: pressures.1, constants: constants.1 };
-        Ok((left, right))
+        (left, right)
     }
 }
 
@@ -357,18 +351,16 @@ impl Sources<'_> {
 
 /// Moves nodes by what their lines passed.
 fn step_nodes(join: &impl Join, range: Range, ends: &[End], sources: Sources<'_>, nodes: Nodes<'_>) -> Watch {
-    let all = match nodes.halves() {
-        Ok((left, right)) => {
-            let (left, right) = join.join(
-                || step_nodes(join, range, ends, sources, left),
-                || step_nodes(join, range, ends, sources, right),
-            );
-            return left.with(right);
-        }
-        Err(all) => all,
-    };
+    if nodes.states.len() >= 2 * RANGE {
+        let (left, right) = nodes.halves();
+        let (left, right) = join.join(
+            || step_nodes(join, range, ends, sources, left),
+            || step_nodes(join, range, ends, sources, right),
+        );
+        return left.with(right);
+    }
     let mut watch = Watch::NOTHING;
-    let rows = all.starts.windows(2).zip(all.states).zip(all.pressures.iter_mut().zip(all.constants));
+    let rows = nodes.starts.windows(2).zip(nodes.states).zip(nodes.pressures.iter_mut().zip(nodes.constants));
     for ((bounds, state), (pressure, constants)) in rows {
         let &[first, past] = bounds else { break };
         let arrived = sources.gather(ends.get(first as usize..past as usize).unwrap_or(&[]));
