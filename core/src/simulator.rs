@@ -241,25 +241,6 @@ impl<'a, E: Element> Simulator<'a, E> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "specialised for a compiled description")]
     fn advance<const UNROLL: bool>(&mut self, network: &Network<'_, E>, settings: Settings) -> Health {
-        self.advance_by::<UNROLL>(network, settings, |h, state, work, stages| match settings.method {
-            Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, stages.start),
-            Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, stages.start),
-            Method::Adaptive => adaptive::step::<E, UNROLL>(network, h, state, work, stages.start),
-            Method::ImplicitEuler | Method::TrBdf2 => {
-                implicit::step::<E, UNROLL>(network, settings.method, h, state, work, stages)
-            }
-        })
-    }
-
-    /// Advances by one step that `step` takes, given h [s], state, work and inputs.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "specialised for a compiled description")]
-    fn advance_by<const UNROLL: bool>(
-        &mut self,
-        network: &Network<'_, E>,
-        settings: Settings,
-        step: impl FnOnce(f32, &mut [f32], &mut [f32], StageInputs<'_>) -> (Margin, Option<Place>),
-    ) -> Health {
         if self.health != Health::Trusted {
             return self.health;
         }
@@ -286,7 +267,19 @@ impl<'a, E: Element> Simulator<'a, E> {
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
-        let (margin, mut place) = step(h, state, work, StageInputs { start, middle, end });
+        let (margin, mut place) = match settings.method {
+            Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
+            Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, start),
+            Method::Adaptive => adaptive::step::<E, UNROLL>(network, h, state, work, start),
+            Method::ImplicitEuler | Method::TrBdf2 => implicit::step::<E, UNROLL>(
+                network,
+                settings.method,
+                h,
+                state,
+                work,
+                StageInputs { start, middle, end },
+            ),
+        };
         if !network.climate.is_none() {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
@@ -299,6 +292,13 @@ impl<'a, E: Element> Simulator<'a, E> {
             };
             place = place.or(climate::step(network, at, climate_state, climate_work, gauge));
         }
+        self.count(settings, margin, place)
+    }
+
+    /// Notes what a step found and counts it.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn count(&mut self, settings: Settings, margin: Margin, place: Option<Place>) -> Health {
         self.margin = margin;
         self.worst_margin = if self.tick == 0 { margin } else { self.worst_margin.with(margin) };
         self.unproven_ticks += u64::from(margin.proof == Proof::None);

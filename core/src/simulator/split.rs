@@ -1,9 +1,9 @@
 //! A simulator whose step is taken in ranges, so that several processors can share it.
 
-use super::{BuildError, Health, InputError, Settings, Simulator};
+use super::{BuildError, Health, InputError, Settings, Simulator, cut_tail, follow_schedules};
 use crate::element::Element;
 use crate::method::adaptive::split::{self, Join, SplitBuffers};
-use crate::{Buffers, Method, MethodError, Network, PlanError, StdElement};
+use crate::{Buffers, Method, MethodError, Network, PlanError, StdElement, climate};
 
 /// A simulator of `adaptive` that steps ranges of lines and of nodes side by side: the same bits as
 /// [`Simulator::step`], whatever does the ranges and however many.
@@ -38,12 +38,38 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
 
     /// Advances by one step. A faulted simulator stands still.
     pub fn step(&mut self, join: &impl Join) -> Health {
-        let buffers = &mut self.buffers;
-        let network = self.simulator.network;
+        let simulator = &mut self.simulator;
+        if simulator.health != Health::Trusted {
+            return simulator.health;
+        }
+        let (network, settings, tick) = (simulator.network, simulator.settings, simulator.tick);
+        let (climate_state, climate_work) = climate::sizes(network);
+        let (Some((state, climate_state)), Some((work, climate_work))) =
+            (cut_tail(simulator.state, climate_state), cut_tail(simulator.work, climate_work))
+        else {
+            return simulator.health;
+        };
+        let inputs = &mut *simulator.inputs;
+        follow_schedules(network, settings, simulator.time_us, inputs, simulator.cursors);
+        let h = settings.step_us as f32 * 1e-6;
+        if !network.climate.loops.is_empty() {
+            climate::control(network, h, tick, climate_state, climate_work, inputs);
+        }
+        let inputs = inputs.get(..network.inputs.len()).unwrap_or(&[]);
+        let (margin, mut place) = split::step(network, h, state, work, inputs, &mut self.buffers, join);
+        if !network.climate.is_none() {
+            let (first, stride) = settings.method.given_at(network.nodes.len());
+            let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
+            let at = climate::Stepped { step_s: h, inputs, given };
+            let gauge = |node: usize, gauge_pa: f32| {
+                if let Some(pressure) = self.buffers.pressures.get_mut(node) {
+                    *pressure = gauge_pa;
+                }
+            };
+            place = place.or(climate::step(network, at, climate_state, climate_work, gauge));
+        }
         self.shown = false;
-        self.simulator.advance_by::<false>(network, self.simulator.settings, |h, state, work, stages| {
-            split::step(network, h, state, work, stages.start, buffers, join)
-        })
+        simulator.count(settings, margin, place)
     }
 
     /// The simulator for its tick, health and margin: its pressures and φ are those of the last call of
