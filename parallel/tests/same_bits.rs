@@ -1,9 +1,11 @@
 //! The same bits with any number of threads, and as a step in one piece.
 
+use eclss_core::climate::medium::{self, Medium};
+use eclss_core::climate::{Contents, Volume};
 use eclss_core::element::{Fan, HeadCurve, HeatExchanger, Pipe, Valve};
 use eclss_core::{
     Active, Buffers, Climate, Element, Health, Line, Method, Network, Node, NodeKind, Place, Plan, Segment,
-    Settings, Simulator, StdElement,
+    Settings, Simulator, StdElement, moist,
 };
 use eclss_network_file::generate::{Shape, generate};
 use eclss_network_file::parse;
@@ -186,6 +188,44 @@ fn any_number_of_threads_gives_the_bits_of_a_step_in_one_piece() {
         let drawn = Drawn::new(10_000, 5_000, special);
         compare(&drawn.network(), what);
     }
+}
+
+/// Where nodes hold air with heat and vapour, whose pressure the climate states after every step.
+#[test]
+fn a_climate_gives_the_same_bits() {
+    let mut drawn = Drawn::new(3_000, 1_000, 60);
+    for segment in &mut drawn.segments {
+        // A climate wants to know where what is drained goes.
+        if let StdElement::HeatExchanger(HeatExchanger { resistance_pa_s2_kg2, .. }) = segment.element {
+            segment.element = StdElement::Pipe(Pipe { resistance_pa_s2_kg2 });
+        }
+    }
+    // What a step carries through the smallest drawn volumes is more than they hold.
+    for node in drawn.nodes.iter_mut().skip(1) {
+        node.kind = NodeKind::Cabin { volume_m3: 60.0 };
+    }
+    let fractions = [0.75, 0.23, 0.0, 0.02, 0.0, 0.0];
+    let gas = medium::dot(&fractions, &medium::GAS_CONSTANTS_J_KG_K);
+    let volume = |node: &Node| {
+        let volume_m3 = if let NodeKind::Cabin { volume_m3 } = node.kind { volume_m3 } else { 1.0 };
+        let start_kg = (101_325.0 + node.start_gauge_pa) * volume_m3 / (gas * node.temperature_k);
+        Volume {
+            contents: Contents::Air,
+            start_kg,
+            fractions,
+            mixing_limit_s: 1_800.0,
+            surface_kg_s_pa: 1e-7,
+        }
+    };
+    let volumes: Vec<Volume> = drawn.nodes.iter().map(volume).collect();
+    let climate = Climate {
+        reference_k: 295.15,
+        air: Medium::air(295.15),
+        coolant: Medium::coolant(moist::LIQUID_HEAT_J_KG_K),
+        volumes: &volumes,
+        ..Climate::NONE
+    };
+    compare(&Network { climate, ..drawn.network() }, "climate");
 }
 
 /// What the command line makes, with its schedule: smaller than a range in parts.
