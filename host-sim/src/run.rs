@@ -5,6 +5,7 @@ mod picture;
 mod plan;
 mod report;
 mod table;
+mod watch;
 
 pub use picture::picture;
 pub use plan::{Plan, Wishes};
@@ -12,6 +13,7 @@ pub use report::{ById, Diverged, End, RunReport, Snapshot, Worst};
 pub(crate) use report::{GUARD, proof};
 pub use table::write_table;
 pub(crate) use table::{bound, part};
+pub use watch::Breach;
 
 use eclss_core::{Health, Proof, Simulator};
 
@@ -35,6 +37,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut trace = Trace::new(columns, every);
     let mut snapshots = Vec::new();
     let mut guarded_ticks = 0;
+    let mut watch = watch::Watch::of(loaded);
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
@@ -53,10 +56,15 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
         }
         driver.step();
         guarded_ticks += u64::from(driver.counters().margin().proof == Proof::ShortStep);
+        if watch.is_due(driver.counters()) {
+            watch.look(driver.simulator());
+        }
         tell(driver.counters(), progress);
     }
     progress.finish();
-    Ok((RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks), trace))
+    let mut report = RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks);
+    report.breaches = watch.breaches();
+    Ok((report, trace))
 }
 
 /// Ticks between two rows of a record with `columns`.

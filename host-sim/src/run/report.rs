@@ -5,7 +5,7 @@ use eclss_core::{Fault, Health, Margin, Place, Proof, Simulator};
 use eclss_network_file::{Loaded, Names, Quantity};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::Plan;
+use super::{Breach, Plan};
 use crate::Source;
 use crate::trace::{Figure, Segments};
 
@@ -47,6 +47,8 @@ pub struct RunReport {
     pub at: Vec<Snapshot>,
     /// Where the run ended.
     pub end: End,
+    /// Limits of cabin air that were broken where there is a crew.
+    pub breaches: Vec<Breach>,
     /// Where and when the run left its range; `null` for a run that may be trusted.
     pub diverged: Option<Diverged>,
 }
@@ -272,6 +274,7 @@ impl RunReport {
                     unproven_ticks: simulator.unproven_ticks(),
                 },
             },
+            breaches: Vec::new(),
             diverged: match simulator.health() {
                 Health::Trusted => None,
                 Health::Faulted(fault) => Some(Diverged::new(&source.loaded, fault, plan.settings.step_us)),

@@ -32,6 +32,16 @@ pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> 
     if report.pseudo_time {
         writeln!(out, "\nTransients of this method are pseudo-time, not physics; its states of rest are.")?;
     }
+    if !report.breaches.is_empty() {
+        writeln!(out, "\nlimits broken (see docs/theory.md for their sources)")?;
+    }
+    for breach in &report.breaches {
+        writeln!(
+            out,
+            "  {}: {}, first at {} s, for {:.0} s in all",
+            breach.node, breach.limit, breach.first_s, breach.broken_s
+        )?;
+    }
     if let Some(diverged) = &report.diverged {
         let element = diverged.element.as_ref().map_or(String::new(), |id| format!(" (element `{id}`)"));
         writeln!(
