@@ -7,12 +7,14 @@ use super::medium::{LIQUID, PARTS, VAPOUR, dot};
 use super::parts::Passage;
 use super::stream::Stream;
 use super::volume::{self, Constants, Contents, ENERGY, Held, STORED, Stored};
-use super::{Climate, Measure, crew};
+use super::{Climate, ControlLoop, Measure, crew};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
 use crate::simulator::Place;
 use crate::{Line, Network, math};
 
+/// Copies of the inputs, one for each stage time of a method.
+const STAGES: usize = 3;
 /// Largest deviation of a temperature from the reference at which a run is trusted [K].
 const THETA_LIMIT_K: f32 = 100.0;
 
@@ -101,7 +103,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     }
 }
 
-/// Runs the control loops on what the last step left, and sets the inputs that they drive in all `stages` copies.
+/// Runs the control loops on what the last step left, and sets the inputs that they drive at all stage times.
 pub(crate) fn control<E>(
     network: &Network<'_, E>,
     step_s: f32,
@@ -126,11 +128,13 @@ pub(crate) fn control<E>(
         let command = control.controller.step(&mut controller, setpoint, reading, step_s);
         let value = control.actuator.step(&mut actuator, command, actuator_fault, step_s);
         let rest = control.actuator.closed + control.actuator.open - value;
-        for stage in inputs.chunks_exact_mut(slots.max(1)) {
-            if let Some(slot) = stage.get_mut(control.drives as usize) {
+        for stage in 0..STAGES {
+            if let Some(slot) = inputs.get_mut(stage * slots + control.drives as usize) {
                 *slot = value;
             }
-            if let Some(slot) = stage.get_mut(control.opposite as usize) {
+            if control.opposite != ControlLoop::NONE
+                && let Some(slot) = inputs.get_mut(stage * slots + control.opposite as usize)
+            {
                 *slot = rest;
             }
         }
