@@ -302,6 +302,10 @@ pub(crate) struct ServeArgs {
     /// Open the page in the browser.
     #[arg(long)]
     pub(crate) open: bool,
+    /// Ask the system for real-time priority and locked memory; say what it refuses.
+    #[cfg(feature = "hil")]
+    #[arg(long)]
+    pub(crate) real_time: bool,
 }
 
 fn shape(name: &str) -> Result<Shape, String> {

@@ -71,7 +71,16 @@ fn page() -> Outcome {
         println!("The page is not tested: {missing}.");
         return Ok(());
     }
-    cargo(&["test", "--release", "--package", "eclss-host-sim", "--features", "browser", "--test", "page"])
+    cargo(&[
+        "test",
+        "--release",
+        "--package",
+        "eclss-host-sim",
+        "--features",
+        "browser,hil",
+        "--test",
+        "page",
+    ])
 }
 
 fn documentation() -> Outcome {

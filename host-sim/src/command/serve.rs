@@ -43,6 +43,14 @@ pub(super) fn run(args: &ServeArgs, out: &mut dyn Write) -> Result<(), Failure> 
     if args.open {
         open(&link);
     }
+    #[cfg(feature = "hil")]
+    if args.real_time {
+        // This thread becomes the plant's; the server's were begun before and stay as they are.
+        for missing in crate::hil::realtime::become_real_time(crate::hil::realtime::Wishes::default()) {
+            writeln!(out, "{missing}")?;
+        }
+        out.flush()?;
+    }
     plant.run(publisher, &Arc::new(AtomicBool::new(false)))
 }
 

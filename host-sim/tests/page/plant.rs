@@ -18,18 +18,25 @@ pub(crate) struct Plant {
 impl Plant {
     /// Serves a shipped network with control at a port, 0 for any.
     pub(crate) fn start(network: &str, port: u16) -> Self {
+        Self::with(network, port, &[])
+    }
+
+    /// The same with further arguments.
+    pub(crate) fn with(network: &str, port: u16, further: &[&str]) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks").join(network);
         let mut child = Command::new(env!("CARGO_BIN_EXE_eclss-rt"))
             .arg("serve")
             .arg(path)
             .args(["--control", "--port", &port.to_string()])
+            .args(further)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()
             .expect("the program starts");
         let mut lines = BufReader::new(child.stdout.take().expect("its output")).lines();
         let link = lines.next().and_then(Result::ok).expect("it says where the page is");
-        std::thread::spawn(move || lines.for_each(drop));
+        // What else it says, such as what real time it has to do without, belongs to the test's output.
+        std::thread::spawn(move || lines.map_while(Result::ok).for_each(|line| println!("{line}")));
         Self { child, link }
     }
 
