@@ -88,7 +88,9 @@ export class Drawing {
       if (kelvin !== null) parts.push(write(kelvin, temperature()));
       if (damp !== null) parts.push(write(damp, ratio()));
       put(`n${number}b`, parts.join(" "));
-      this.find(`n${number}`).classList.toggle("fault", badNode === number);
+      const group = this.find(`n${number}`);
+      group.classList.toggle("fault", badNode === number);
+      group.style.setProperty("--slowed", bent(at(`${node.id}.phi`) ?? 1));
     });
     const states = new Map(network.inputs.map((input, k) => [input.id, frame.inputs[k]]));
     const inputs = new Map(network.inputs.map((input) => [input.id.slice(0, input.id.lastIndexOf(".")), input.id]));
@@ -100,10 +102,7 @@ export class Drawing {
       own.flow = Number.isFinite(value) && value !== null ? value : 0;
       largest = Math.max(largest, Math.abs(own.flow));
       put(`l${number}f`, write(value, flow(density(line.from))));
-      const phi = at(`${line.id}.phi`) ?? 1;
-      // φ spans decades: a tenth is half way to fully bent.
-      const bent = phi >= 1 ? 0 : Math.min(1, -Math.log10(Math.max(phi, 1e-9)) / 2 + 0.1);
-      own.wire.style.setProperty("--slowed", `${Math.round(bent * 100)}%`);
+      own.wire.style.setProperty("--slowed", bent(at(`${line.id}.phi`) ?? 1));
       own.wire.classList.toggle("fault", badLine === number);
       for (const [id] of line.elements) {
         const input = inputs.get(id);
@@ -133,6 +132,9 @@ export class Drawing {
     }
   }
 }
+
+/** How far towards "fully bent" a φ is drawn. It spans decades: a tenth is more than half way. */
+const bent = (phi) => `${phi >= 1 ? 0 : Math.round(Math.min(1, 0.1 - Math.log10(Math.max(phi, 1e-9)) / 2) * 100)}%`;
 
 /** Triangles along a line, every `SPACING`. */
 function arrows(line, phase, size, forward) {

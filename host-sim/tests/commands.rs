@@ -41,6 +41,10 @@ fn wrong_usage_is_exit_code_2_with_a_reason() {
         (&["run", "paper.toml", "--step", "7ms"], "paper.toml: [run] until = 26 s is not a whole number"),
         (&["check", "paper.toml", "--save", "./paper.toml"], "--save needs another one"),
         (&["bench", "--sizes", "1"], "1"),
+        (&["serve", "--control", "--listen", "0.0.0.0"], "--control would let anyone on the network"),
+        (&["serve", "--listen", "somewhere"], "somewhere"),
+        (&["serve", "--step", "20ms", "--port", "0"], "too long for method `relaxation`"),
+        (&["schematic", "missing.toml"], "missing.toml: cannot be read"),
     ] {
         let (code, out, err) = folder.say(arguments);
         assert_eq!(code, 2, "{arguments:?}: {err}");

@@ -89,7 +89,7 @@ impl Plant {
             reference_pa: loaded.reference_pa,
             control,
             scenarios: self.scenarios.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            values: values(loaded),
+            values: values(loaded, self.settings.method),
             inputs: self.inputs().into_iter().map(|(_, input)| input).collect(),
             nodes: graph
                 .nodes

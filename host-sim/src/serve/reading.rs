@@ -13,15 +13,20 @@ pub(super) struct Reading {
     figures: Vec<Figure>,
 }
 
-/// Published values: everything that a run can write down, then φ of every line.
-pub(super) fn values(loaded: &Loaded) -> Vec<Value> {
+/// Published values: everything that a run can write down, then φ of what the method slows: `relaxation` lines,
+/// `adaptive` nodes.
+pub(super) fn values(loaded: &Loaded, method: Method) -> Vec<Value> {
     let records = loaded.all_records();
     let mut values: Vec<_> = records
         .iter()
         .map(|record| Value { id: record.name.clone(), unit: record.quantity.unit().to_owned() })
         .collect();
-    let phi = |id: &String| Value { id: format!("{id}.phi"), unit: "1".to_owned() };
-    values.extend(loaded.names.lines.iter().map(phi));
+    let slowed = match method {
+        Method::Relaxation => &loaded.names.lines[..],
+        Method::Adaptive => &loaded.names.nodes[..],
+        Method::Euler | Method::ImplicitEuler | Method::TrBdf2 => &[],
+    };
+    values.extend(slowed.iter().map(|id| Value { id: format!("{id}.phi"), unit: "1".to_owned() }));
     values
 }
 
@@ -37,19 +42,18 @@ impl Reading {
         for (figure, value) in self.figures.iter().zip(into.iter_mut()) {
             *value = figure.read(simulator, segments);
         }
-        for (line, value) in into.iter_mut().skip(self.figures.len()).enumerate() {
-            *value = line_phi(simulator, line);
+        let nodes = simulator.settings().method == Method::Adaptive;
+        for (place, value) in into.iter_mut().skip(self.figures.len()).enumerate() {
+            *value = if nodes { simulator.node_phi(place) } else { line_phi(simulator, place) };
         }
     }
 }
 
-/// φ of a line's flow row in method `relaxation`, at its present flow; 1 where the method slows no line.
+/// φ of a line's flow row in method `relaxation`, at its present flow.
 fn line_phi(simulator: &Simulator<'_>, line: usize) -> f32 {
     let network = simulator.network();
     let settings = simulator.settings();
-    let Some(description) = network.lines.get(line).filter(|_| settings.method == Method::Relaxation) else {
-        return 1.0;
-    };
+    let Some(description) = network.lines.get(line) else { return f32::NAN };
     let w = simulator.line_flow_kg_s(line);
     let (mut folded, mut linear, mut ratio) = (0.0, 0.0, 1.0);
     for segment in network.segments_of(description).iter().skip(description.flow_segment as usize) {
