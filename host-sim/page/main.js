@@ -79,6 +79,9 @@ function trends(built, charts) {
   const pressures = [];
   const rho = built.frame ? densityAt(built, built.frame) : () => 1.2;
   const carry = flow();
+  network.nodes.filter((node) => chosen.has(node.id)).forEach((node) => {
+    pressures.push({ label: node.id, place: index.get(`${node.id}.pressure`), of: gauge().of });
+  });
   network.lines.forEach((line) => {
     const { of } = flow(rho(line.from));
     const ids = [...(lines.has(line.id) ? [line.id] : []), ...line.elements.map(([id]) => id).filter((id) => chosen.has(id))];
@@ -86,9 +89,6 @@ function trends(built, charts) {
     line.elements.filter(([id]) => chosen.has(id)).forEach(([id]) => {
       pressures.push({ label: id, place: index.get(`${id}.outlet_pressure`), of: gauge().of });
     });
-  });
-  network.nodes.filter((node) => chosen.has(node.id)).forEach((node) => {
-    pressures.unshift({ label: node.id, place: index.get(`${node.id}.pressure`), of: gauge().of });
   });
   charts.flow.set("Mass flow", carry.unit, flows.slice(-MOST_CURVES));
   charts.pressure.set(`Pressure over ${write(network.reference_pa, pressure())}`, gauge().unit, pressures.slice(-MOST_CURVES));

@@ -197,6 +197,8 @@ impl Sheet<'_> {
         }
         let width = left + MARGIN;
 
+        // Wires also run between rows; below the last one there are few.
+        let channel = between + GRID * (self.graph.lines.len() as i32 / 8).min(6);
         let mut top = MARGIN;
         let mut bands = Vec::new();
         for row in 0..rows {
@@ -204,9 +206,9 @@ impl Sheet<'_> {
             let nodes = self.cells.iter().zip(&sizes).filter(|(cell, _)| cell.1 == row);
             let height = piles.chain(nodes.map(|(_, size)| size.1)).max().unwrap_or(0);
             bands.push((top, height));
-            top += height + between + GRID * (self.graph.lines.len() as i32 / 8).min(6);
+            top += height + channel;
         }
-        let height = top + MARGIN;
+        let height = top - channel + MARGIN + between;
 
         let middle = |start: i32, room: i32, size: i32| start + (room - size) / 2 / GRID * GRID;
         let mut nodes = Vec::new();
