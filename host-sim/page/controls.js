@@ -1,6 +1,6 @@
 // Sliders, malfunctions, and the buttons that hold, step and choose.
 
-import { ratio, write } from "./units.js";
+import { unitFor, write } from "./units.js";
 import { send } from "./stream.js";
 
 const element = (id) => document.getElementById(id);
@@ -47,16 +47,20 @@ export class Controls {
     value.htmlFor = `input-${number}`;
     head.append(label, value);
     const slider = document.createElement("input");
-    Object.assign(slider, { type: "range", id: `input-${number}`, min: input.min, max: input.max });
-    slider.step = (input.max - input.min) / 200;
-    slider.oninput = () => {
+    // What spans decades is typed, in SI units.
+    const type = input.max - input.min > 1000 ? "number" : "range";
+    Object.assign(slider, { type, id: `input-${number}`, min: input.min, max: input.max });
+    slider.step = type === "range" ? (input.max - input.min) / 200 : "any";
+    slider[type === "range" ? "oninput" : "onchange"] = () => {
       this.rows[number].held = performance.now();
-      slider.setAttribute("aria-valuetext", write(Number(slider.value), ratio()));
+      slider.setAttribute("aria-valuetext", write(Number(slider.value), unitFor(input.id, input.unit)));
       this.ask({ do: "set", input: number, value: Number(slider.value) });
     };
     const how = document.createElement("div");
     how.className = "how";
-    const buttons = Object.entries(names(input.id)).map(([kind, name]) => {
+    // The ends of a range of decades are no malfunction that anyone has seen.
+    const kinds = Object.entries(names(input.id)).filter(([kind]) => type === "range" || kind === "stuck");
+    const buttons = kinds.map(([kind, name]) => {
       const button = document.createElement("button");
       Object.assign(button, { type: "button", textContent: name });
       button.setAttribute("aria-label", `${input.id}: ${name}`);
@@ -108,7 +112,7 @@ export class Controls {
         if (name) this.say(`${input.id} is broken: ${name}`);
         else if (names(input.id)[was]) this.say(`${input.id} is repaired`);
       }
-      const shown = write(value, ratio());
+      const shown = write(value, unitFor(input.id, input.unit));
       if (row.value.textContent !== shown) row.value.textContent = shown;
       // While a hand is on the slider the plant does not move it.
       if (performance.now() - row.held > 500 && document.activeElement !== row.slider && Number.isFinite(value)) {

@@ -1,6 +1,6 @@
 // The schematic: values into its texts, arrows along its lines, colours by state and by φ.
 
-import { gauge, flow, pressure, ratio, temperature, write } from "./units.js";
+import { gauge, flow, pressure, ratio, temperature, unitFor, write } from "./units.js";
 
 const SPACING = 64; // px between arrows
 const FASTEST = 90; // px/s of the largest flow
@@ -83,7 +83,7 @@ export class Drawing {
       const over = at(`${node.id}.pressure`);
       put(`n${number}a`, over === null ? "" : write(network.reference_pa + over, pressure()));
       const kelvin = at(`${node.id}.temperature`);
-      const damp = at(`${node.id}.humidity`);
+      const damp = at(`${node.id}.relative_humidity`);
       const parts = [];
       if (kelvin !== null) parts.push(write(kelvin, temperature()));
       if (damp !== null) parts.push(write(damp, ratio()));
@@ -93,6 +93,7 @@ export class Drawing {
       group.style.setProperty("--slowed", bent(at(`${node.id}.phi`) ?? 1));
     });
     const states = new Map(network.inputs.map((input, k) => [input.id, frame.inputs[k]]));
+    const units = new Map(network.inputs.map((input) => [input.id, input.unit]));
     const inputs = new Map(network.inputs.map((input) => [input.id.slice(0, input.id.lastIndexOf(".")), input.id]));
     let largest = 1e-9;
     let element = 0;
@@ -108,7 +109,7 @@ export class Drawing {
         const input = inputs.get(id);
         const broken = input && !["free", "scheduled"].includes(states.get(input));
         this.find(`e${element}`).classList.toggle("broken", Boolean(broken));
-        put(`e${element}a`, input ? write(at(input), ratio()) : "");
+        put(`e${element}a`, input ? write(at(input), unitFor(input, units.get(input))) : "");
         const outlet = at(`${id}.outlet_pressure`);
         put(`e${element}b`, outlet === null ? "" : write(outlet, gauge()));
         element += 1;

@@ -66,7 +66,8 @@ function choose(built, id) {
 function densityAt(built, frame) {
   const { network, index } = built;
   return (node) => {
-    const { id, temperature_k: still } = network.nodes[node];
+    const { id, kind, temperature_k: still } = network.nodes[node];
+    if (kind === "liquid" || kind === "accumulator") return null;
     const over = frame.values[index.get(`${id}.pressure`)] ?? 0;
     const kelvin = frame.values[index.get(`${id}.temperature`)] ?? still;
     return density(network.reference_pa + over, kelvin);

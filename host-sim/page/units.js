@@ -27,10 +27,12 @@ export const pressure = () => system === "us"
 /** Pressure over the reference [Pa]. */
 export const gauge = () => system === "us"
   ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 3 }
-  : { unit: "Pa", of: (pa) => pa, digits: 2 };
-/** Mass flow [kg/s]; as volume flow at `density` [kg/m³]. */
+  : { unit: "Pa", of: (pa) => pa, digits: 2, large: { unit: "kPa", of: (pa) => pa * 1e-3, digits: 2 } };
+/** Mass flow [kg/s]; as volume flow at `density` [kg/m³], as mass flow of a liquid, whose density is null. */
 export const flow = (density) => system === "us"
-  ? { unit: "cfm", of: (kg) => kg / (density > 0 ? density : 1.2) / CFM, digits: 3 }
+  ? density === null
+    ? { unit: "lb/h", of: (kg) => kg * 7936.641, digits: 3 }
+    : { unit: "cfm", of: (kg) => kg / (density > 0 ? density : 1.2) / CFM, digits: 3 }
   : { unit: "g/s", of: (kg) => kg * 1e3, digits: 3 };
 export const temperature = () => system === "us"
   ? { unit: "°F", of: (k) => (k - 273.15) * 1.8 + 32, digits: 1 }
@@ -46,13 +48,14 @@ export function unitFor(id, unit, at) {
   if (unit === "kg/s") return flow(at);
   if (unit === "Pa") return what === "pressure" ? pressure() : gauge();
   if (unit === "K") return temperature();
-  if (unit === "1" && (what === "opening" || what === "speed" || what === "humidity")) return ratio();
+  if (unit === "1" && (what === "opening" || what === "speed" || what.endsWith("humidity") || what.endsWith("efficiency"))) return ratio();
   return plain(unit);
 }
 
 /** A value with its unit. */
 export function write(number, unit) {
   if (number === null || number === undefined || !Number.isFinite(number)) return "–";
+  if (unit.large && Math.abs(unit.of(number)) >= 1e4) return write(number, unit.large);
   const value = unit.of(number);
   return `${show(value, unit.fixed ? unit.digits : digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}`;
 }

@@ -31,6 +31,11 @@ impl Closure {
     /// whole network lacks. NaN where there is no cabin.
     pub fn read(&mut self, simulator: &Simulator<'_>) -> f64 {
         let network = simulator.network();
+        if !network.climate.volumes.is_empty() {
+            // A climate books its own transfers: of each gas, of water and of coolant.
+            let masses = simulator.ledgers().into_iter().filter(|ledger| ledger.unit == "kg");
+            return masses.map(|ledger| ledger.gap().abs()).fold(0.0, f64::max) / self.total_kg;
+        }
         let mut whole = 0.0;
         for (node, open) in self.open_kg.iter_mut().enumerate() {
             *open = simulator.node_mass_kg(node) + simulator.fictitious_kg(node);

@@ -18,6 +18,8 @@ pub struct Loaded {
     pub names: Names,
     /// Units of the input slots.
     pub units: Vec<&'static str>,
+    /// Smallest and largest value of every input slot, in its unit.
+    pub ranges: Vec<(f32, f32)>,
     /// Heat, moisture, composition and control.
     pub climate: ClimateTables,
     /// How the network is run when nothing else is said.

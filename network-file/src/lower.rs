@@ -45,6 +45,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         inputs: tables.slots.iter().map(|slot| slot.name.clone()).collect(),
         exchangers: climate.exchanger_names.clone(),
     };
+    let ranges = tables.slots.iter().map(|slot| (slot.spec.min, slot.spec.max)).collect();
     let units: Vec<&'static str> = tables.slots.iter().map(|slot| slot.spec.unit).collect();
     let all = record::all(&names, &tables.lines, &climate.volumes, &units);
     let specs: Vec<_> = tables.slots.iter().map(|slot| slot.spec).collect();
@@ -56,6 +57,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
     let mut loaded = Loaded {
         names,
         units,
+        ranges,
         climate,
         run,
         records,

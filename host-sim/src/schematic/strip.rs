@@ -31,7 +31,7 @@ impl Style {
 
     /// What suits a network.
     pub fn of(graph: &Graph) -> Self {
-        if graph.elements() <= 16 && graph.nodes.len() <= 6 { Self::WIDE } else { Self::NARROW }
+        if graph.elements() <= 16 && graph.nodes.len() <= 8 { Self::WIDE } else { Self::NARROW }
     }
 
     /// Height of a line of type [px].

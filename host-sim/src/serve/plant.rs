@@ -63,15 +63,14 @@ impl Plant {
     /// Slots of the inputs in the order of the catalogue, with their ranges.
     fn inputs(&self) -> Vec<(usize, Input)> {
         let loaded = &self.source.loaded;
-        let mut list = Vec::new();
-        for segment in &loaded.segments {
-            let specs = (0..).map_while(|index| segment.element.input_spec(index));
-            for (slot, spec) in (segment.first_input as usize..).zip(specs) {
-                let id = loaded.names.inputs.get(slot).cloned().unwrap_or_default();
-                list.push((slot, Input { id, unit: spec.unit.to_owned(), min: spec.min, max: spec.max }));
-            }
-        }
-        list
+        let all = loaded.names.inputs.iter().zip(&loaded.units).zip(&loaded.ranges);
+        let input = |((id, unit), &(min, max)): ((&String, &&str), &(f32, f32))| Input {
+            id: id.clone(),
+            unit: (*unit).to_owned(),
+            min,
+            max,
+        };
+        all.map(input).enumerate().collect()
     }
 
     /// What the page is told once.
