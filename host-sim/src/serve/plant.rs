@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use eclss_core::{Element, Health, Network, Place, Settings, Simulator};
+use eclss_core::{Health, Network, Place, Settings, Simulator};
 
 use super::feed::{Catalogue, Command, Input, InputState, LineInfo, Malfunction, NodeInfo, Publisher};
 use super::pace::{Costs, Pace};

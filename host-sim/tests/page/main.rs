@@ -187,10 +187,10 @@ const OVERLAPS: &str = "
   return found";
 
 #[test]
-fn pictures_of_a_loop_and_a_station_light_and_dark_have_nothing_overlapping() {
+fn pictures_of_a_loop_a_station_and_a_climate_light_and_dark_have_nothing_overlapping() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
     std::fs::create_dir_all(&folder).unwrap();
-    for network in ["paper", "station"] {
+    for network in ["paper", "station", "thcs"] {
         let (plant, browser) = opened(&format!("{network}.toml"));
         if network == "paper" {
             browser.press("#scenario", "by");
