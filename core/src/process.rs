@@ -260,7 +260,7 @@ impl<'a> Process<'a> {
         channels.find_map(|(index, (channel, state))| lost(channel, state).then_some(index))
     }
 
-    /// Whether every essential input has a value that was accepted in this tick.
+    /// Whether the newest sample of every essential input was accepted and is not too old.
     pub fn inputs_good(&self) -> bool {
         self.image
             .inputs

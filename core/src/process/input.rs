@@ -110,8 +110,9 @@ impl InputState {
         Applied { value: self.value, slope_per_s: if self.arrived { self.slope_per_s } else { 0.0 } }
     }
 
+    /// Whether the newest sample was accepted and is not too old.
     pub(super) fn is_good(&self) -> bool {
-        matches!(self.quality, Quality::Good | Quality::Saturated | Quality::Moving)
+        matches!(self.quality, Quality::Good | Quality::Saturated | Quality::Moving | Quality::Held)
     }
 
     pub(super) fn start_from(&mut self, value: f32) {

@@ -116,7 +116,7 @@ pub fn encode(packet: &Packet, out: &mut [u8]) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::message::{Body, Data};
+    use super::super::message::{Body, Data, Echo, Hello, Role};
     use super::*;
     use crate::mode::Mode;
     use crate::process::CHANNELS;
@@ -212,5 +212,48 @@ mod tests {
         let mut out = [0; 128];
         let coded = cobs::try_encode(&[&payload[..length], &check].concat(), &mut out).unwrap();
         assert_eq!(received(&out[..=coded]), [Err(BadFrame::Malformed)]);
+    }
+
+    /// The bytes that `docs/protocol.md` shows are those that are written.
+    #[test]
+    fn the_documents_bytes_are_the_codes() {
+        let document = include_str!("../../../docs/protocol.md");
+        let hello = Body::Hello(Hello {
+            role: Role::Controller,
+            network_id: 0x1122_3344_5566_7788,
+            process_id: 42,
+            step_us: 1_000,
+            inputs: 1,
+            outputs: 2,
+            nonce: 7,
+            echo: 0,
+        });
+        let hello =
+            Packet { version: VERSION, session: 0, sequence: 0, tick: 3, time_us: 3_000, body: hello };
+        let data = Body::Data(Data {
+            mode: Mode::Run,
+            cause: 0,
+            echo: Echo { sequence: 9, time_us: 4_000, age_us: 250 },
+            values: Vec::from_slice(&[0.0625, -1.5]).unwrap(),
+            quality: Vec::from_slice(&[0, 3]).unwrap(),
+            seen: Vec::new(),
+        });
+        let data = Packet {
+            version: VERSION,
+            session: 0x0102_0304,
+            sequence: 1,
+            tick: 5,
+            time_us: 5_000,
+            body: data,
+        };
+        for (name, packet) in [("hello", hello), ("data ", data)] {
+            let mut out = [0; FRAME_BYTES];
+            let length = encode(&packet, &mut out).unwrap();
+            let hex = out[..length]
+                .iter()
+                .fold(std::string::String::new(), |text, byte| std::format!("{text} {byte:02x}"));
+            let line = std::format!("{name}{hex}\n");
+            assert!(document.contains(&line), "docs/protocol.md lacks\n{line}");
+        }
     }
 }

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Holds the flow of networks/hil.toml by its valve: a PI controller at the other end of the link.
+
+    python3 clients/python/hold_flow.py --network-id 0x… --process-id 0x… unix:/tmp/eclss.sock
+
+Ids are told by the plant's log and by `eclss-rt check`. Addresses: `unix:PATH`, `tcp:HOST:PORT`, `udp:HOST:PORT`.
+"""
+
+import argparse
+import json
+import os
+import select
+import socket
+import sys
+import time
+
+from eclss_link import Link
+
+
+AT_MOST_UNDER_WAY = 4
+
+
+def connect(address: str) -> socket.socket:
+    kind, _, where = address.partition(":")
+    if kind == "unix":
+        end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        target = where
+    else:
+        host, _, port = where.rpartition(":")
+        end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM if kind == "udp" else socket.SOCK_STREAM)
+        target = (host, int(port))
+    deadline = time.monotonic() + 10
+    while True:
+        try:
+            end.connect(target)
+            end.setblocking(False)
+            return end
+        except (FileNotFoundError, ConnectionRefusedError):
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.05)
+
+
+def main() -> int:
+    number = lambda text: int(text, 0)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("address")
+    parser.add_argument("--network-id", type=number, required=True)
+    parser.add_argument("--process-id", type=number, required=True)
+    parser.add_argument("--step-us", type=int, default=1000)
+    parser.add_argument("--set-point", type=float, default=0.06, help="flow [kg/s]")
+    parser.add_argument("--seconds", type=float, default=60.0, help="time in RUN")
+    args = parser.parse_args()
+    end = connect(args.address)
+    nonce = int.from_bytes(os.urandom(4), "little")
+    link = Link(args.network_id, args.process_id, args.step_us, inputs=2, outputs=2, nonce=nonce)
+    step_s = args.step_us * 1e-6
+    opening = total = 1.0
+    kp, ki = 0.5, 4.0
+    begun = time.monotonic()
+    mode, modes, flow = "", [], 0.0
+    tick, run_ticks, first_run, last = 0, 0, None, 0
+    backlog = bytearray()
+    while run_ticks * step_s < args.seconds and not (link.refused and tick > 100):
+        # The plant is time master: its data set the pace, and a clock only while there are none.
+        select.select([end], [end] if backlog else [], [], 0.02)
+        now_us = int((time.monotonic() - begun) * 1e6)
+        try:
+            got = end.recv(65536)
+            if not got:
+                break
+            link.feed(got, now_us)
+        except (BlockingIOError, ConnectionRefusedError):
+            pass
+        except ConnectionResetError:
+            break
+        data = link.take_data()
+        if data:
+            if data["mode"] != mode:
+                mode = data["mode"]
+                modes.append(mode)
+                last = link.tick
+            flow = data["values"][0]
+            if mode == "RUN":
+                first_run = link.tick if first_run is None else first_run
+                run_ticks = link.tick - first_run
+                error = args.set_point - flow
+                total = min(max(total + ki * error * (link.tick - last) * step_s, 0.02), 1.0)
+                opening = min(max(total + kp * error, 0.02), 1.0)
+            last = link.tick
+        if mode == "READY":
+            link.command("arm")
+        elif mode == "SAFE":
+            link.command("acknowledge")
+        tick += 1
+        # What is sent faster than it is taken only grows old in a queue.
+        room = not link.connected or link.under_way <= AT_MOST_UNDER_WAY
+        backlog += link.send_tick(tick, now_us, [opening, 1.0] if room and not backlog else None)
+        try:
+            del backlog[: end.send(backlog)]
+        except BlockingIOError:
+            pass
+        except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
+            break
+    counters = vars(link.counters)
+    print(json.dumps({"mode": mode, "modes": modes, "run_ticks": run_ticks, "plant_tick": link.tick, "flow_kg_s": flow,
+                      "opening": opening, "refused": link.refused, "sent": link.sent, **counters}))
+    return 0 if mode == "RUN" else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
