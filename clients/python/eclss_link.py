@@ -214,7 +214,7 @@ class Link:
         self._newest, self._came = 0, set()
         self._sequence = self._quiet = self._until_hello = 0
         self._answer = False
-        self._echo, self._arrived_us = (0, 0), 0
+        self._echo, self._told, self._arrived_us = (0, 0), 0, 0
         self._command, self._wait, self._next_id = None, 0, 0
         self.ack = None
         self._fresh = False
@@ -234,7 +234,7 @@ class Link:
     @property
     def under_way(self) -> int:
         """Packets of this session that the peer has not said to have got."""
-        return (self._sequence - (self.data["echo"][0] if self.data and self._newest else 0)) & 0xFFFFFFFF
+        return (self._sequence - self._told) & 0xFFFFFFFF
 
     def feed(self, data: bytes, now_us: int):
         """Takes bytes that came in."""
@@ -319,7 +319,7 @@ class Link:
     def _begin(self, session: int):
         self._session, self._newest, self._came = session, 0, set()
         self._sequence = self._quiet = 0
-        self._echo, self.refused = (0, 0), ""
+        self._echo, self._told, self.refused = (0, 0), 0, ""
         self.counters.sessions += 1
 
     def _take(self, packet: Packet, now_us: int):
@@ -372,8 +372,9 @@ class Link:
             return
         self.counters.accepted += 1
         self._quiet = 0
+        self._echo, self._arrived_us = (packet.sequence, packet.time_us), now_us
         if packet.kind == DATA:
             self.data, self.tick, self._fresh = packet.body, packet.tick, True
-            self._echo, self._arrived_us = (packet.sequence, packet.time_us), now_us
+            self._told = packet.body["echo"][0]
         elif packet.kind == ACK and self._command is not None and packet.body["id"] == self._next_id:
             self._command, self.ack = None, packet.body

@@ -56,10 +56,11 @@ def main() -> int:
     link = Link(args.network_id, args.process_id, args.step_us, inputs=2, outputs=2, nonce=nonce)
     step_s = args.step_us * 1e-6
     opening = total = 1.0
-    kp, ki = 0.5, 4.0
+    # Gains for a flow that follows within seconds, and a rate that the valve's channel believes.
+    kp, ki, rate_per_s = 4.0, 6.0, 3.0
     begun = time.monotonic()
     mode, modes, flow = "", [], 0.0
-    tick, run_ticks, first_run, last = 0, 0, None, 0
+    tick, run_ticks, first_run, last, next_request = 0, 0, None, 0, 0
     backlog = bytearray()
     while run_ticks * step_s < args.seconds and not (link.refused and tick > 100):
         # The plant is time master: its data set the pace, and a clock only while there are none.
@@ -84,18 +85,19 @@ def main() -> int:
             if mode == "RUN":
                 first_run = link.tick if first_run is None else first_run
                 run_ticks = link.tick - first_run
-                error = args.set_point - flow
-                total = min(max(total + ki * error * (link.tick - last) * step_s, 0.02), 1.0)
-                opening = min(max(total + kp * error, 0.02), 1.0)
+                error, passed_s = args.set_point - flow, (link.tick - last) * step_s
+                total = min(max(total + ki * error * passed_s, 0.02), 1.0)
+                most = rate_per_s * passed_s
+                wanted = min(max(total + kp * error, opening - most), opening + most)
+                opening = min(max(wanted, 0.02), 1.0)
             last = link.tick
-        if mode == "READY":
-            link.command("arm")
-        elif mode == "SAFE":
-            link.command("acknowledge")
         tick += 1
         # What is sent faster than it is taken only grows old in a queue.
-        room = not link.connected or link.under_way <= AT_MOST_UNDER_WAY
-        backlog += link.send_tick(tick, now_us, [opening, 1.0] if room and not backlog else None)
+        room = not link.connected or (link.under_way <= AT_MOST_UNDER_WAY and not backlog)
+        request = {"READY": "arm", "SAFE": "acknowledge"}.get(mode)
+        if room and request and tick >= next_request and link.command(request):
+            next_request = tick + 50
+        backlog += link.send_tick(tick, now_us, [opening, 1.0] if room else None)
         try:
             del backlog[: end.send(backlog)]
         except BlockingIOError:

@@ -16,8 +16,8 @@ use std::{env, fs};
 
 /// The network of a build that names none.
 const DEFAULT: &str = "networks/paper.toml";
-/// That of a build for hardware in the loop.
-const HIL: &str = "networks/hil.toml";
+/// That of the emulated board with hardware on its link.
+const HIL: &str = "tests/files/hil_emulated.toml";
 
 fn main() -> ExitCode {
     match build() {

@@ -24,7 +24,10 @@ pub struct Parameters {
 }
 
 /// For the flow through the valve of `networks/hil.toml`: gains chosen such that the flow follows within seconds.
-pub const FLOW: Parameters = Parameters { set_point: 0.06, proportional: 0.5, integral: 4.0 };
+pub const FLOW: Parameters = Parameters { set_point: 0.06, proportional: 4.0, integral: 6.0 };
+
+/// Fastest change of what it sets \[1/s\]: slower than the valve's channel believes.
+const RATE_PER_S: f32 = 3.0;
 
 /// The controller's state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +65,8 @@ impl Controller {
         if !saturated {
             self.sum = sum;
         }
-        self.output = wanted.clamp(self.min, self.max);
+        let most = RATE_PER_S * self.step_s;
+        self.output = wanted.clamp(self.output - most, self.output + most).clamp(self.min, self.max);
     }
 
     fn parameter(&mut self, number: u16) -> Option<&mut f32> {
@@ -193,7 +197,7 @@ mod tests {
     #[test]
     fn parameters_are_told_set_and_checked() {
         let mut controller = Controller::new(FLOW, 0.5, [0.02, 1.0], 1e-3);
-        assert_eq!(controller.command(Command::Get { parameter: 2 }), Outcome::Value(4.0));
+        assert_eq!(controller.command(Command::Get { parameter: 2 }), Outcome::Value(6.0));
         assert_eq!(controller.command(Command::Set { parameter: 0, value: 0.05 }), Outcome::Value(0.05));
         assert_eq!(controller.command(Command::Set { parameter: 0, value: f32::NAN }), Outcome::OutOfRange);
         assert_eq!(controller.command(Command::Get { parameter: 3 }), Outcome::NoSuchParameter);

@@ -163,7 +163,8 @@ fn safe(tick: u64, cause: Cause) {
 /// Logs what became of each frame.
 fn link_state(link: &LinkReport) {
     let c = link.counters;
-    info!("link up {}, {} sessions, sent {}, silent {}", link.connected, c.sessions, link.sent, link.silence);
+    info!("link up {}, {} sessions, silent {}", link.connected, c.sessions, link.silence);
+    info!("sent {}, no room for {}", link.sent, c.unsent);
     info!("frames {}, taken {}, handshake {}, lost {}", c.frames(), c.accepted, c.handshake, c.lost);
     info!("late {}, twice {}, damaged {}, foreign {}", c.late, c.duplicate, c.damaged(), c.foreign());
 }

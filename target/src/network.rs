@@ -113,6 +113,8 @@ pub fn compiled_in_link(plant: &NetworkPlant, role: Role, nonce: u32) -> Option<
         step_us: plant.settings().step_us,
         inputs,
         outputs,
+        // A session outlives the silence that leads to SAFE.
+        silent_ticks: table::PROCESS.safe_after_ticks.saturating_mul(10),
         ..Config::default()
     };
     (inputs + outputs > 0).then(|| Link::new(config, nonce))

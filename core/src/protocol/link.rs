@@ -114,6 +114,10 @@ pub struct Link {
     clock: Clock,
     received: Received,
     fresh: bool,
+    /// Newest packet of the session, of whatever kind: sequence number, the peer's clock and ours \[µs\].
+    heard: (u32, u64, u64),
+    /// The newest packet of ours of which the peer has told.
+    told: u32,
     /// Ticks since the newest data.
     silence: u32,
     /// Ticks since the newest packet of the session.
@@ -150,6 +154,8 @@ impl Link {
             clock: Clock::default(),
             received: Received::default(),
             fresh: false,
+            heard: (0, 0, 0),
+            told: 0,
             silence: u32::MAX,
             quiet: 0,
             until_hello: 0,
@@ -253,8 +259,26 @@ impl Link {
         self.sequence
     }
 
+    /// Packets of this session that the peer has not said to have got. What is sent faster than it is taken only grows
+    /// old in a queue: where this is more than a few, [`Self::send_quiet_tick`] is better.
+    pub fn under_way(&self) -> u32 {
+        self.sequence.wrapping_sub(if self.received.sequence == 0 {
+            0
+        } else {
+            self.received.data.echo.sequence
+        })
+    }
+
     /// Ends a tick: whatever has to be said in it goes to [`Self::outgoing`].
     pub fn send_tick(&mut self, tick: u64, now_us: u64, outgoing: &Outgoing<'_>) {
+        self.send_quiet_tick(tick, now_us);
+        if self.session.is_some() {
+            self.send_data(tick, now_us, outgoing);
+        }
+    }
+
+    /// Ends a tick without process data.
+    pub fn send_quiet_tick(&mut self, tick: u64, now_us: u64) {
         self.silence = self.silence.saturating_add(1);
         self.quiet = self.quiet.saturating_add(1);
         if self.session.is_some() && self.quiet > self.config.silent_ticks {
@@ -275,12 +299,15 @@ impl Link {
                 self.send(tick, now_us, Body::Command(frame));
             }
         }
-        let newest = &self.received;
-        let age_us = u32::try_from(now_us.saturating_sub(newest.arrived_us)).unwrap_or(u32::MAX);
+    }
+
+    fn send_data(&mut self, tick: u64, now_us: u64, outgoing: &Outgoing<'_>) {
+        let (sequence, time_us, arrived_us) = self.heard;
+        let age_us = u32::try_from(now_us.saturating_sub(arrived_us)).unwrap_or(u32::MAX);
         let mut data = Data {
             mode: outgoing.mode,
             cause: outgoing.cause,
-            echo: Echo { sequence: newest.sequence, time_us: newest.time_us, age_us },
+            echo: Echo { sequence, time_us, age_us },
             ..Data::default()
         };
         data.values.extend(outgoing.values.iter().copied().take(data.values.capacity()));
@@ -392,7 +419,7 @@ impl Link {
         self.window = Window::default();
         self.sequence = 0;
         self.quiet = 0;
-        self.received.sequence = 0;
+        (self.heard, self.told) = ((0, 0, 0), 0);
         (self.last, self.todo, self.ack_out) = (None, None, None);
     }
 
@@ -404,8 +431,10 @@ impl Link {
     }
 
     fn accept(&mut self, packet: Packet, now_us: u64) {
+        self.heard = (packet.sequence, packet.time_us, now_us);
         match packet.body {
             Body::Data(data) => {
+                self.told = data.echo.sequence;
                 if data.echo.sequence != 0 {
                     self.clock.exchange(data.echo.time_us, packet.time_us, data.echo.age_us, now_us);
                 }
