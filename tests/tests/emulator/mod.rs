@@ -67,6 +67,19 @@ fn logged(machine: &str, elf: &Path, shift: u32, words: &[&str]) -> Run {
     decoded(emulator(machine, elf, shift, words), elf)
 }
 
+/// Guest time of an instruction, 4 ns, at which an emulated millisecond takes a few of the host's: whoever is at the
+/// other end of the serial line then has time to answer.
+const SLOW: u32 = 2;
+
+/// Runs the board with hardware on its link, whose other end is the Unix socket at `socket`; it starts when somebody
+/// connects. The log is there when the run is over.
+pub(crate) fn linked(socket: &Path, words: &[&str]) -> std::thread::JoinHandle<Run> {
+    let elf = elf("qemu-hil-an386");
+    let mut qemu = emulator("mps2-an386", &elf, SLOW, words);
+    qemu.arg("-serial").arg(format!("unix:{},server=on,wait=on", socket.display()));
+    std::thread::spawn(move || decoded(qemu, &elf))
+}
+
 /// The emulator's command line. Guest time is tied to executed instructions, so that every run is the same.
 fn emulator(machine: &str, elf: &Path, shift: u32, words: &[&str]) -> Command {
     let words = words.iter().fold(String::new(), |words, word| words + ",arg=" + word);
