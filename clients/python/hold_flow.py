@@ -55,7 +55,7 @@ def main() -> int:
     nonce = int.from_bytes(os.urandom(4), "little")
     link = Link(args.network_id, args.process_id, args.step_us, inputs=2, outputs=2, nonce=nonce)
     step_s = args.step_us * 1e-6
-    opening = total = 1.0
+    opening = total = 0.2
     # Gains for a flow that follows within seconds, and a rate that the valve's channel believes.
     kp, ki, rate_per_s = 4.0, 6.0, 3.0
     begun = time.monotonic()

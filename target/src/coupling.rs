@@ -15,6 +15,8 @@ const SETTLED: f32 = 2e-5;
 /// For how long \[s\].
 const SETTLED_S: f32 = 0.5;
 
+static NO_CONVERTERS: Converters = [None; CONVERTERS];
+
 /// What the link is like, for a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkReport {
@@ -93,6 +95,9 @@ impl<'a> Coupling<'a> {
     pub fn read<B: Board>(&mut self, board: &mut B, now_us: u64) {
         let mut converters: Converters = [None; CONVERTERS];
         board.read_inputs(&mut converters);
+        if !self.is_bound() {
+            return;
+        }
         let mut data = None;
         if let Some(link) = &mut self.link {
             let mut bytes = [0; LINK_BYTES];
@@ -196,6 +201,10 @@ impl<'a> Coupling<'a> {
     /// Gives out what the latest [`Self::emit`] made.
     pub fn write<B: Board>(&mut self, board: &mut B, tick: u64, machine: &Machine, now_us: u64) {
         let mode = machine.mode();
+        if !self.is_bound() {
+            board.write_outputs(&NO_CONVERTERS, mode.is_armed());
+            return;
+        }
         let image = self.process.image();
         let mut converters: Converters = [None; CONVERTERS];
         let (mut values, mut quality) = (Vec::<f32, CHANNELS>::new(), Vec::<u8, CHANNELS>::new());

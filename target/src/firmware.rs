@@ -67,7 +67,7 @@ pub async fn run<B: Board, P: Plant>(
 /// The controller at the other end of a link, telling through the queue: the flow of `networks/hil.toml` by its valve.
 pub async fn control<B: Board>(board: &mut B, link: &mut Link, settings: &Settings, mut teller: Teller) {
     let step_s = settings.period_us.get() as f32 * 1e-6;
-    let mut controller = Controller::new(controller::FLOW, 1.0, [0.02, 1.0], step_s);
+    let mut controller = Controller::new(controller::FLOW, 0.2, [0.02, 1.0], step_s);
     controller::run(board, link, &mut controller, settings, |event| {
         if teller.enqueue(event).is_err() {
             LOST.fetch_add(1, Ordering::Relaxed);

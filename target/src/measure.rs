@@ -9,6 +9,7 @@
 //! calls of [`trace_begin`] and [`trace_end`]: short enough for the emulator to write down each instruction.
 
 mod laws;
+mod link;
 mod networks;
 
 use crate::boards::mps2::{semihosting, timer};
@@ -72,7 +73,7 @@ pub fn start() -> ! {
         Some(("trace", method)) => networks::trace(method),
         Some(("figures", "all")) => {
             laws::measure();
-            networks::measure()
+            link::measure() && networks::measure()
         }
         _ => false,
     };

@@ -3,13 +3,13 @@
 use crate::control::SHOWN_OUTPUTS;
 use crate::coupling::{self, Coupling};
 use crate::plant::{Plant, Untrusted};
-use eclss_core::process::{Applied, CHANNELS, InputState, OutputState, Point, Process};
+use eclss_core::process::{Applied, CHANNELS, Image, InputState, OutputState, Point, Process};
 use eclss_core::protocol::{Config, Link, Role};
 use eclss_core::{
     BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, LiveInput, Settings, Simulator,
     Storage,
 };
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 /// The compiled-in network's tables, generated from its file.
 #[allow(clippy::unreadable_literal, clippy::excessive_precision, reason = "generated")]
@@ -103,37 +103,51 @@ pub fn compiled_in() -> Result<NetworkPlant, BuildError> {
     })
 }
 
-/// The compiled-in network's end of a link; `None` where no channel goes over one.
-pub fn compiled_in_link(plant: &NetworkPlant, role: Role, nonce: u32) -> Option<Link> {
-    let (inputs, outputs) = coupling::link_counts(&table::PROCESS);
+/// A network's end of a link; `None` where no channel goes over one.
+pub fn link(plant: &NetworkPlant, image: &Image<'_>, role: Role, nonce: u32) -> Option<Link> {
+    let (inputs, outputs) = coupling::link_counts(image);
     let config = Config {
         role,
         network_id: plant.network_id(),
-        process_id: table::PROCESS_ID,
+        process_id: image.id(),
         step_us: plant.settings().step_us,
         inputs,
         outputs,
         // A session outlives the silence that leads to SAFE.
-        silent_ticks: table::PROCESS.safe_after_ticks.saturating_mul(10),
+        silent_ticks: image.safe_after_ticks.saturating_mul(10),
         ..Config::default()
     };
     (inputs + outputs > 0).then(|| Link::new(config, nonce))
 }
 
-/// The compiled-in process image with this link. To be called once.
+/// The compiled-in process image.
+pub fn compiled_in_process() -> Image<'static> {
+    table::PROCESS
+}
+
+/// The compiled-in network's end of a link; `None` where no channel goes over one.
+pub fn compiled_in_link(plant: &NetworkPlant, role: Role, nonce: u32) -> Option<Link> {
+    link(plant, &table::PROCESS, role, nonce)
+}
+
+/// The compiled-in process image with the link that `link` makes. To be called once.
 ///
 /// # Panics
 /// When called twice.
-pub fn compiled_in_coupling(link: Option<Link>) -> Coupling<'static> {
+pub fn compiled_in_coupling(link: impl FnOnce() -> Option<Link>) -> &'static mut Coupling<'static> {
     const INPUTS: usize = table::INPUT_CHANNELS.len();
     const OUTPUTS: usize = table::OUTPUT_CHANNELS.len();
     static IN: ConstStaticCell<[InputState; INPUTS]> =
         ConstStaticCell::new([const { InputState::new(0.0) }; INPUTS]);
     static OUT: ConstStaticCell<[OutputState; OUTPUTS]> =
         ConstStaticCell::new([const { OutputState::new(0.0) }; OUTPUTS]);
-    let step_s = table::STEP_US as f32 * 1e-6;
-    let process = Process::new(table::PROCESS, step_s, IN.take(), OUT.take());
-    Coupling::new(process.expect("one state a channel"), step_s, link)
+    // Kilobytes that are made where they stay instead of on the stack.
+    static COUPLING: StaticCell<Coupling<'static>> = StaticCell::new();
+    COUPLING.init_with(|| {
+        let step_s = table::STEP_US as f32 * 1e-6;
+        let process = Process::new(table::PROCESS, step_s, IN.take(), OUT.take());
+        Coupling::new(process.expect("one state a channel"), step_s, link())
+    })
 }
 
 /// Makes a plant of a simulator that was built at run time.

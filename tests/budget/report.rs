@@ -49,6 +49,7 @@ pub(crate) fn make(folder: &Path) -> Report {
         scenario(&boards),
         parts(&traces),
         laws(&boards),
+        link(&boards),
         large(&boards),
         cycles(&traces),
         whole_tick(&ticks),
@@ -168,6 +169,22 @@ fn laws(boards: &[(&str, Vec<Figure>)]) -> Table {
         Table::new("Component laws", about, 2, &["component", "board", "min", "mean", "max", "max/mean"]);
     for (machine, figures) in boards {
         for figure in figures.iter().filter(|figure| figure.kind == "law") {
+            let mut row = vec![figure.name.clone(), (*machine).to_owned()];
+            row.extend(figure_cells(figure, false));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+fn link(boards: &[(&str, Vec<Figure>)]) -> Table {
+    let about = "What hardware in the loop adds to a tick, by number of channels each way: a frame received and judged \
+                 (COBS, check sum, packet, sequence), a frame sent, all inputs judged, filtered and applied, all outputs \
+                 limited [instructions].";
+    let columns = ["what and channels", "board", "min", "mean", "max", "max/mean"];
+    let mut table = Table::new("The link and the process image", about, 2, &columns);
+    for (machine, figures) in boards {
+        for figure in figures.iter().filter(|figure| figure.kind == "link") {
             let mut row = vec![figure.name.clone(), (*machine).to_owned()];
             row.extend(figure_cells(figure, false));
             table.rows.push(row);

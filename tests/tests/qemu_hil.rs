@@ -22,7 +22,7 @@ const SETTLING_S: u32 = 12;
 
 /// Seconds of plant time in RUN.
 fn seconds() -> u32 {
-    std::env::var("ECLSS_HIL_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(8)
+    std::env::var("ECLSS_HIL_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
 }
 
 /// Numbers behind these words in the last line that has the first of them.
@@ -67,7 +67,7 @@ fn a_controller_on_the_host_holds_the_flow_of_the_plant_in_the_emulator() {
     let path = socket("plant");
     let running = linked(&path, &[&format!("seconds={}", seconds() + SETTLING_S)]);
     let mut wire = Wire::connect(&path, Role::Controller, &network());
-    let mut controller = Controller::new(FLOW, 1.0, [0.02, 1.0], 1e-3);
+    let mut controller = Controller::new(FLOW, 0.2, [0.02, 1.0], 1e-3);
     let (mut mode, mut newest, mut first_run) = (Mode::PowerUp, 0, None);
     let (mut flows, mut asked) = (Vec::new(), 0_u64);
     while wire.read() {

@@ -23,6 +23,7 @@ use core::num::NonZeroU32;
 use eclss_core::protocol::{Link, Role};
 use embassy_executor::InterruptExecutor;
 use registers::{LED, write};
+use static_cell::StaticCell;
 use uart::Uart;
 
 /// Length of one idle round.
@@ -108,20 +109,24 @@ pub fn start(name: &'static str) -> ! {
         trap.spring();
     }
     let (teller, mut listener) = firmware::events(journal);
-    let role = if request.controls { Role::Controller } else { Role::Plant };
-    let link = network::compiled_in_link(&plant, role, timer::counter());
     let spawner = EXECUTOR.start(vectors::Irq::SPARE);
     // The task's storage is static and this is its only start.
+    let nonce = timer::counter();
     if request.controls {
-        let link = link.unwrap_or_else(|| {
+        static LINK: StaticCell<Option<Link>> = StaticCell::new();
+        let link = LINK.init_with(|| network::compiled_in_link(&plant, Role::Controller, nonce));
+        let link = link.as_mut().unwrap_or_else(|| {
             defmt::error!("the network has no channels to control");
             semihosting::exit(false)
         });
         spawner.spawn(controlling(board, link, settings, teller).expect("the loop starts once"));
     } else {
+        static NOTHING: StaticCell<Coupling<'static>> = StaticCell::new();
         let coupling = match plant.origin() {
-            Origin::CompiledIn => network::compiled_in_coupling(link),
-            Origin::Loaded => Coupling::none(),
+            Origin::CompiledIn => {
+                network::compiled_in_coupling(|| network::compiled_in_link(&plant, Role::Plant, nonce))
+            }
+            Origin::Loaded => NOTHING.init_with(Coupling::none),
         };
         spawner.spawn(looping(board, plant, coupling, settings, teller).expect("the loop starts once"));
     }
@@ -145,14 +150,14 @@ pub fn start(name: &'static str) -> ! {
 async fn looping(
     mut board: Mps2,
     mut plant: NetworkPlant,
-    mut coupling: Coupling<'static>,
+    coupling: &'static mut Coupling<'static>,
     settings: Settings,
     teller: Teller,
 ) {
-    firmware::run(&mut board, &mut plant, &mut coupling, &settings, teller).await;
+    firmware::run(&mut board, &mut plant, coupling, &settings, teller).await;
 }
 
 #[embassy_executor::task]
-async fn controlling(mut board: Mps2, mut link: Link, settings: Settings, teller: Teller) {
-    firmware::control(&mut board, &mut link, &settings, teller).await;
+async fn controlling(mut board: Mps2, link: &'static mut Link, settings: Settings, teller: Teller) {
+    firmware::control(&mut board, link, &settings, teller).await;
 }

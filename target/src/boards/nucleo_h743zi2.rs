@@ -2,13 +2,14 @@
 //!
 //! Converters 0 and 1 of the process image are PA3 (A0 on the connector) and PC0 (A1) as inputs, 0…65 535 for
 //! 0…3.3 V, and PA4 and PA5 as outputs, 0…4 095 for 0…3.3 V. Two converters sample at 10 kHz, started by timer 6, so the loop finds a sample that
-//! is at most 0.1 ms old and never waits for one. The green LED (PB0) is lit while outputs are live.
+//! is at most 0.1 ms old and never waits for one. The link is USART3, the probe's serial port. The green LED (PB0) is lit while outputs are live.
 //!
 //! Source: ST UM2407 (board), RM0433 (device).
 
 mod clocks;
 mod converters;
 mod memory;
+mod uart;
 
 use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
@@ -28,6 +29,7 @@ use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::peripherals::IWDG1;
 use embassy_stm32::wdg::IndependentWatchdog;
+use uart::Uart;
 
 /// The watchdog resets the processor when the loop has been silent for this long \[µs\].
 const WATCHDOG_US: u32 = 50_000;
@@ -38,6 +40,7 @@ static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 pub struct Nucleo {
     inputs: Inputs,
     outputs: Outputs,
+    uart: Option<Uart>,
     watchdog: IndependentWatchdog<'static, IWDG1>,
     live: Output<'static>,
 }
@@ -57,6 +60,12 @@ impl Board for Nucleo {
     fn write_outputs(&mut self, converters: &Converters, armed: bool) {
         self.outputs.write(converters);
         self.live.set_level(if armed { Level::High } else { Level::Low });
+    }
+    fn read_link(&mut self, bytes: &mut [u8]) -> usize {
+        self.uart.as_mut().map_or(0, |uart| uart.read(bytes))
+    }
+    fn write_link(&mut self, bytes: &[u8]) -> usize {
+        self.uart.as_mut().map_or(bytes.len(), |uart| uart.write(bytes))
     }
     fn safe_outputs(&mut self) {
         make_safe();
@@ -98,10 +107,11 @@ pub fn start() -> ! {
     let live = Output::new(p.PB0, Level::Low, Speed::Low);
     let mut watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG_US);
     watchdog.unleash();
-    let board = Nucleo { inputs, outputs, watchdog, live };
+    let uart = Uart::new(p.USART3, p.PD8, p.PD9, period_us);
+    let board = Nucleo { inputs, outputs, uart, watchdog, live };
     let journal = Journal::start(&board, &plant, &settings, reason);
-    let link = network::compiled_in_link(&plant, Role::Plant, DWT::cycle_count());
-    let coupling = network::compiled_in_coupling(link);
+    let nonce = DWT::cycle_count();
+    let coupling = network::compiled_in_coupling(|| network::compiled_in_link(&plant, Role::Plant, nonce));
     let (teller, mut listener) = firmware::events(journal);
     interrupt::SWPMI1.set_priority(Priority::P6);
     let spawner = EXECUTOR.start(interrupt::SWPMI1);
@@ -126,11 +136,11 @@ pub fn start() -> ! {
 async fn looping(
     mut board: Nucleo,
     mut plant: NetworkPlant,
-    mut coupling: Coupling<'static>,
+    coupling: &'static mut Coupling<'static>,
     settings: Settings,
     teller: Teller,
 ) {
-    firmware::run(&mut board, &mut plant, &mut coupling, &settings, teller).await;
+    firmware::run(&mut board, &mut plant, coupling, &settings, teller).await;
 }
 
 /// The single-wire protocol's interrupt, whose device is not used, runs the executor.

@@ -1,7 +1,9 @@
 //! A Linux computer: the loop in a thread of real-time priority with all memory locked.
 //!
 //! Without the right to real-time priority (`ulimit -r`, or `CAP_SYS_NICE`) it says so and runs all the same:
-//! the account then shows what the kernel made of it. It has no process inputs or outputs of its own.
+//! the account then shows what the kernel made of it. It has no converters, but a link.
+
+mod link;
 
 use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
@@ -11,9 +13,12 @@ use crate::journal::Journal;
 use crate::network::{self, NetworkPlant};
 use core::num::NonZeroU32;
 use core::time::Duration;
+use eclss_core::process::{Image, InputState, OutputState, Process};
+use eclss_core::protocol::Role;
 use eclss_core::{Buffers, Network, Simulator};
 use eclss_network_file::Loaded;
 use embassy_executor::Executor;
+use link::PcLink;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
@@ -27,7 +32,10 @@ const PRIORITY: i32 = 40;
 const CLOCK: ClockId = ClockId::Monotonic;
 
 /// The computer.
-pub struct RtPc;
+#[derive(Default)]
+pub struct RtPc {
+    link: PcLink,
+}
 
 impl Board for RtPc {
     const COUNTER_HZ: u32 = 1_000_000_000;
@@ -49,6 +57,12 @@ impl Board for RtPc {
     }
     fn read_inputs(&mut self, _converters: &mut Converters) {}
     fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {}
+    fn read_link(&mut self, bytes: &mut [u8]) -> usize {
+        self.link.read(bytes)
+    }
+    fn write_link(&mut self, bytes: &[u8]) -> usize {
+        self.link.write(bytes)
+    }
     fn safe_outputs(&mut self) {}
     fn feed_watchdog(&mut self) {}
 }
@@ -58,8 +72,8 @@ fn nanoseconds() -> u64 {
     now.tv_sec.cast_unsigned() * 1_000_000_000 + now.tv_nsec.cast_unsigned()
 }
 
-/// Runs with the words `seconds=N` and `network=FILE`; without `seconds` until interrupted, without `network` the
-/// network that is compiled in.
+/// Runs with the words `seconds=N`, `network=FILE` and `link=unix:PATH|udp:OWN,PEER`; without `seconds` until
+/// interrupted, without `network` the network that is compiled in. Channels take part where there is a link for them.
 ///
 /// # Panics
 /// When called twice.
@@ -67,17 +81,24 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
     let request = match Request::read(words) {
         Ok(request) => request,
         Err(word) => {
-            eprintln!("cannot make sense of `{word}`; there are seconds=N and network=FILE");
+            eprintln!("cannot make sense of `{word}`; there are seconds=N, network=FILE and link=ADDRESS");
             return ExitCode::FAILURE;
         }
     };
-    let plant = match request.network.as_deref().map_or_else(|| Ok(network::compiled_in()?), load) {
-        Ok(plant) => plant,
+    let built = request.network.as_deref().map_or_else(compiled_in, load);
+    let opened = request.link.as_deref().map_or(Ok(PcLink::None), PcLink::open);
+    let (plant, process, link) = match built.and_then(|(plant, process)| Ok((plant, process, opened?))) {
+        Ok(parts) => parts,
         Err(error) => {
             eprintln!("{error}");
             return ExitCode::FAILURE;
         }
     };
+    let coupling = match link {
+        PcLink::None => Coupling::none(),
+        _ => couple(&plant, process),
+    };
+    let board = RtPc { link };
     let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
     let per_second = NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN);
     let settings = Settings {
@@ -89,14 +110,14 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
         start_safe: false,
         status_every: per_second,
     };
-    let journal = Journal::start(&RtPc, &plant, &settings, ResetReason::PowerOn);
+    let journal = Journal::start(&board, &plant, &settings, ResetReason::PowerOn);
     let (teller, mut listener) = firmware::events(journal);
     std::thread::spawn(move || {
         static EXECUTOR: StaticCell<Executor> = StaticCell::new();
         become_real_time();
         // This thread is started once, so the task's storage is free.
         let start = |task: embassy_executor::Spawner| {
-            task.spawn(looping(plant, settings, teller).expect("the loop starts once"));
+            task.spawn(looping(board, plant, coupling, settings, teller).expect("the loop starts once"));
         };
         EXECUTOR.init(Executor::new()).run(start);
     });
@@ -108,8 +129,25 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
     }
 }
 
+/// A plant and its process image.
+type Built = (NetworkPlant, Image<'static>);
+
+fn compiled_in() -> Result<Built, Box<dyn Error>> {
+    Ok((network::compiled_in()?, network::compiled_in_process()))
+}
+
+/// The image with a link, for which the process identifies itself by number and time.
+fn couple(plant: &NetworkPlant, image: Image<'static>) -> Coupling<'static> {
+    let nonce = std::process::id() ^ nanoseconds() as u32;
+    let step_s = plant.settings().step_us as f32 * 1e-6;
+    let inputs = Box::leak(vec![InputState::new(0.0); image.inputs.len()].into_boxed_slice());
+    let outputs = Box::leak(vec![OutputState::new(0.0); image.outputs.len()].into_boxed_slice());
+    let process = Process::new(image, step_s, inputs, outputs).expect("one state a channel");
+    Coupling::new(process, step_s, network::link(plant, &image, Role::Plant, nonce))
+}
+
 /// Loads a network file at run time. What it needs stays for the rest of the process.
-fn load(path: &str) -> Result<NetworkPlant, Box<dyn Error>> {
+fn load(path: &str) -> Result<Built, Box<dyn Error>> {
     let loaded: &'static Loaded = Box::leak(Box::new(eclss_network_file::load(Path::new(path))?));
     let network: &'static Network<'static> = Box::leak(Box::new(loaded.network()));
     let settings = eclss_core::Settings { method: loaded.run.method, step_us: loaded.run.step_us };
@@ -123,12 +161,24 @@ fn load(path: &str) -> Result<NetworkPlant, Box<dyn Error>> {
     };
     let names: Vec<&'static str> = loaded.names.lines.iter().map(String::as_str).collect();
     let simulator = Simulator::new(network, settings, buffers)?;
-    Ok(network::loaded(simulator, &loaded.file.name, Box::leak(names.into_boxed_slice())))
+    let image = Image {
+        inputs: Box::leak(loaded.process.input_channels().into_boxed_slice()),
+        outputs: Box::leak(loaded.process.output_channels().into_boxed_slice()),
+        order: loaded.process.order,
+        safe_after_ticks: loaded.process.safe_after_ticks,
+    };
+    Ok((network::loaded(simulator, &loaded.file.name, Box::leak(names.into_boxed_slice())), image))
 }
 
 #[embassy_executor::task]
-async fn looping(mut plant: NetworkPlant, settings: Settings, teller: Teller) {
-    firmware::run(&mut RtPc, &mut plant, &mut Coupling::none(), &settings, teller).await;
+async fn looping(
+    mut board: RtPc,
+    mut plant: NetworkPlant,
+    mut coupling: Coupling<'static>,
+    settings: Settings,
+    teller: Teller,
+) {
+    firmware::run(&mut board, &mut plant, &mut coupling, &settings, teller).await;
 }
 
 /// What the command line asks for.
@@ -136,6 +186,7 @@ async fn looping(mut plant: NetworkPlant, settings: Settings, teller: Teller) {
 struct Request {
     seconds: Option<u32>,
     network: Option<String>,
+    link: Option<String>,
 }
 
 impl Request {
@@ -147,6 +198,10 @@ impl Request {
                 Some(("seconds", value)) => value.parse().map(|value| request.seconds = Some(value)).is_ok(),
                 Some(("network", value)) => {
                     request.network = Some(value.into());
+                    true
+                }
+                Some(("link", value)) => {
+                    request.link = Some(value.into());
                     true
                 }
                 _ => false,
@@ -185,7 +240,7 @@ mod tests {
     #[test]
     fn words_are_taken_or_named() {
         let request = read("seconds=3 network=a.toml").unwrap();
-        assert_eq!(request, Request { seconds: Some(3), network: Some("a.toml".into()) });
+        assert_eq!(request, Request { seconds: Some(3), network: Some("a.toml".into()), link: None });
         assert_eq!(read("seconds=x"), Err("seconds=x".into()));
         assert_eq!(read("seconds=3 hurry"), Err("hurry".into()));
     }
@@ -194,7 +249,7 @@ mod tests {
     #[test]
     fn a_loaded_network_is_the_compiled_one() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../networks/paper.toml");
-        let (mut ours, mut theirs) = (network::compiled_in().unwrap(), load(path).unwrap());
+        let (mut ours, mut theirs) = (network::compiled_in().unwrap(), load(path).unwrap().0);
         assert_ne!(ours.origin(), theirs.origin());
         assert_eq!((ours.name(), ours.network_id()), (theirs.name(), theirs.network_id()));
         assert_eq!(ours.line_names(), theirs.line_names());
@@ -213,7 +268,7 @@ mod tests {
 
     #[test]
     fn sleeping_ends_at_or_after_its_time() {
-        let mut pc = RtPc;
+        let mut pc = RtPc::default();
         let at_us = pc.now_us() + 2_000;
         {
             let mut sleep = core::pin::pin!(pc.sleep_until(at_us));
