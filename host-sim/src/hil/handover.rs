@@ -229,7 +229,7 @@ mod tests {
             let ends = taker.is_abandoned();
             while let Some(row) = taker.take() {
                 assert!(last.is_none_or(|last| row.head.tick > last));
-                assert_eq!(row.figures[0], 2.0 * row.head.tick as f32);
+                assert_eq!(row.figures[0].to_bits(), (2.0 * row.head.tick as f32).to_bits());
                 (seen, last) = (seen + 1, Some(row.head.tick));
             }
             if ends {

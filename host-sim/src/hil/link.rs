@@ -136,16 +136,12 @@ impl Link {
     /// Takes the next datagram or part of the stream in; returns whether there was one.
     fn refill(&mut self) -> bool {
         let Some(wire) = &mut self.wire else { return false };
-        match wire.read(&mut self.came) {
-            Ok(length) => {
-                (self.came_from, self.came_to) = (0, length);
-                length > 0
-            }
-            Err(wire::Gone) => {
-                self.lose();
-                false
-            }
-        }
+        let Ok(length) = wire.read(&mut self.came) else {
+            self.lose();
+            return false;
+        };
+        (self.came_from, self.came_to) = (0, length);
+        length > 0
     }
 
     /// Hands over bytes and returns how many were taken; the rest is to be offered again. Where there is no other
@@ -156,16 +152,12 @@ impl Link {
             self.counts.bytes_unsent += bytes.len() as u64;
             return bytes.len();
         };
-        match wire.write(bytes) {
-            Ok(sent) => {
-                self.counts.bytes_out += sent as u64;
-                sent
-            }
-            Err(wire::Gone) => {
-                self.lose();
-                bytes.len()
-            }
-        }
+        let Ok(sent) = wire.write(bytes) else {
+            self.lose();
+            return bytes.len();
+        };
+        self.counts.bytes_out += sent as u64;
+        sent
     }
 
     /// Whether there is another side, as far as is known.

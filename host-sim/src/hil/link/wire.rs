@@ -53,9 +53,8 @@ impl Wire {
 
     fn judge(&self, error: &io::Error) -> Result<usize, Gone> {
         match (self, error.kind()) {
-            (_, ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(0),
-            // Without a listener there is an error for every datagram, which says nothing about the next.
-            (Self::Udp(_), _) => Ok(0),
+            // Over UDP, without a listener, there is an error for every datagram, which says nothing about the next.
+            (_, ErrorKind::WouldBlock | ErrorKind::Interrupted) | (Self::Udp(_), _) => Ok(0),
             _ => Err(Gone),
         }
     }

@@ -37,7 +37,7 @@ impl Decimator {
     /// Takes a tick; returns the bucket that it completes.
     pub fn add(&mut self, row: &Row) -> Option<Bucket> {
         // By number and not by count, so that a dropped row does not shift the grid.
-        let ends = (row.head.tick + 1) % self.every == 0;
+        let ends = (row.head.tick + 1).is_multiple_of(self.every);
         let behind = self
             .bucket
             .as_ref()
