@@ -42,8 +42,8 @@ pub(crate) fn in_ci() -> bool {
 
 /// Everything but the firmware application, of which only the board for computers can be built here.
 const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
-/// What the core offers to boards and files.
-const OPTIONS: &str = "eclss-core/protocol,eclss-core/defmt";
+/// What the core offers to boards and files, and the real-time loop on a computer.
+const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/protocol,eclss-core/defmt";
 const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-pc"];
 
 fn lints() -> Outcome {
