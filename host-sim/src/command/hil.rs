@@ -84,6 +84,7 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
         stall,
         operator: args.operator,
         shows: !args.json,
+        interrupts: true,
     })
 }
 

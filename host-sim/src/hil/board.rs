@@ -233,3 +233,65 @@ pub fn note(tap: &RefCell<Tap>, event: &eclss_target::control::Event) {
         Event::Status { mode, .. } | Event::Ended { mode, .. } => tap.mode(*mode),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::pin::pin;
+    use core::task::{Context, Poll, Waker};
+    use rtrb::RingBuffer;
+
+    /// Goes through the begin of one tick, which was due at once.
+    fn tick(board: &mut Pc<'_>) -> Poll<()> {
+        let at_us = board.now_us();
+        let slept = pin!(board.sleep_until(at_us));
+        slept.poll(&mut Context::from_waker(Waker::noop()))
+    }
+
+    #[test]
+    fn a_clock_that_stands_gives_out_ticks_by_number_and_ends_on_order() {
+        let tap = Tap::new(Vec::new(), 0, None);
+        let (mut orders, taken) = RingBuffer::new(8);
+        let mut board = Pc::new(&tap, None, taken, (false, true), None);
+        for order in [Order::Ticks(1), Order::Pace(Pace::Paused), Order::Ticks(3)] {
+            orders.push(order).unwrap();
+        }
+        for _ in 0..3 {
+            assert_eq!(tick(&mut board), Poll::Ready(()));
+        }
+        orders.push(Order::Quit).unwrap();
+        assert_eq!(tick(&mut board), Poll::Pending);
+        let measured = board.measured();
+        assert_eq!((measured.wake.summary().count, measured.tick.summary().count), (3, 3));
+        assert_eq!(measured.refused, 1, "ticks of a clock that runs");
+    }
+
+    /// Nobody makes armed hardware wait: the pace stays, and one that was set before ends.
+    #[test]
+    fn with_hardware_armed_only_the_walls_time_is_taken() {
+        let tap = Tap::new(Vec::new(), 0, None);
+        let (mut orders, taken) = RingBuffer::new(8);
+        let mut board = Pc::new(&tap, None, taken, (true, true), None);
+        orders.push(Order::Pace(Pace::Scaled(50.0))).unwrap();
+        assert_eq!(tick(&mut board), Poll::Ready(()));
+        assert_eq!(board.clock.pace(), Pace::Scaled(50.0));
+        tap.borrow_mut().mode(Mode::Run);
+        assert_eq!(tick(&mut board), Poll::Ready(()));
+        assert_eq!(board.clock.pace(), Pace::Real);
+        for order in [Order::Pace(Pace::Paused), Order::Pace(Pace::Scaled(0.5)), Order::Ticks(1)] {
+            orders.push(order).unwrap();
+        }
+        assert_eq!(tick(&mut board), Poll::Ready(()));
+        assert_eq!((board.clock.pace(), board.measured().refused), (Pace::Real, 3));
+    }
+
+    #[test]
+    fn a_request_is_asked_once() {
+        let tap = Tap::new(Vec::new(), 0, None);
+        let (mut orders, taken) = RingBuffer::new(8);
+        let mut board = Pc::new(&tap, None, taken, (true, true), None);
+        orders.push(Order::Mode(Request::Hold)).unwrap();
+        assert_eq!(tick(&mut board), Poll::Ready(()));
+        assert_eq!((board.request(), board.request()), (Some(Request::Hold), None));
+    }
+}

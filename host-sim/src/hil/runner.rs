@@ -84,6 +84,8 @@ pub struct Job {
     pub operator: bool,
     /// Whether events are shown.
     pub shows: bool,
+    /// Whether an interrupt ends the run in good order.
+    pub interrupts: bool,
 }
 
 /// What the loop leaves behind.

@@ -48,6 +48,7 @@ pub(crate) fn job(source: &Source, step_us: u32, ticks: u64) -> Job {
         stall: None,
         operator: false,
         shows: false,
+        interrupts: false,
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use eclss_core::Settings;
@@ -33,6 +35,8 @@ pub(super) struct Housekeeping<'o> {
     events: Consumer<Event>,
     orders: Producer<Order>,
     typed: Option<Receiver<String>>,
+    /// Set by an interrupt.
+    interrupted: Arc<AtomicBool>,
     account: Option<Account>,
     mode: Mode,
     cause: Option<Cause>,
@@ -59,6 +63,7 @@ impl<'o> Housekeeping<'o> {
             events,
             orders,
             typed: job.operator.then(type_along),
+            interrupted: interrupts(job),
             account: None,
             mode: Mode::PowerUp,
             cause: None,
@@ -85,6 +90,9 @@ impl<'o> Housekeeping<'o> {
             }
         }
         self.take_orders();
+        if self.interrupted.swap(false, Ordering::Relaxed) {
+            self.order(Order::Quit);
+        }
     }
 
     fn event(&mut self, event: Event) {
@@ -224,6 +232,22 @@ fn parse(line: &str) -> Option<Order> {
         ("speed", speed) => Order::Pace(Pace::Scaled(speed.parse().ok()?)),
         _ => return None,
     })
+}
+
+/// Lets an interrupt end the run in good order; a second one ends the program.
+fn interrupts(job: &Job) -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    if job.interrupts {
+        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+            // The first interrupt arms what the second one finds. Where the system refuses, the program ends as it
+            // always did.
+            let again = Arc::new(AtomicBool::new(false));
+            let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&again))
+                .and_then(|_| signal_hook::flag::register(signal, again))
+                .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&flag)));
+        }
+    }
+    flag
 }
 
 /// Reads the standard input in a thread of its own, which ends with the program.
