@@ -242,6 +242,37 @@ mod tests {
         let _ = std::fs::remove_file(path);
     }
 
+    /// A pseudo-terminal stands in for the port: raw bytes of every value, both ways, and a port that goes away.
+    #[test]
+    fn a_serial_port_carries_every_byte() {
+        use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+        let other = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+        grantpt(&other).unwrap();
+        unlockpt(&other).unwrap();
+        let name = ptsname(&other, Vec::new()).unwrap();
+        let path = PathBuf::from(name.to_str().unwrap());
+        let mut other = std::fs::File::from(other);
+        let (mut link, _keeper) = open(&Address::Serial { path, baud: 921_600 }).unwrap();
+        until(|| {
+            link.renew();
+            link.is_open()
+        });
+        let bytes: Vec<u8> = (0..=255).collect();
+        other.write_all(&bytes).unwrap();
+        let (mut all, mut buffer) = (Vec::new(), [0; 256]);
+        until(|| {
+            let length = link.read(&mut buffer);
+            all.extend_from_slice(&buffer[..length]);
+            all.len() == bytes.len()
+        });
+        assert_eq!(all, bytes);
+        assert_eq!(link.write(&bytes), bytes.len());
+        other.read_exact(&mut buffer).unwrap();
+        assert_eq!(buffer.as_slice(), bytes);
+        drop(other);
+        until(|| link.read(&mut buffer) == 0 && !link.is_open());
+    }
+
     #[test]
     fn others_can_connect_to_us() {
         let path = socket("listens");

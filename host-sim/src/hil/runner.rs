@@ -59,6 +59,7 @@ pub struct RecordWishes {
 
 /// What is to be run.
 #[derive(Debug, Clone)]
+#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Job {
     /// Method and step; a tick is a step.
     pub settings: Settings,

@@ -8,7 +8,7 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 
 use rustix::fs::OFlags;
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use rustix::termios::{OptionalActions, SpecialCodeIndex, tcgetattr, tcsetattr};
 
 use super::Address;
 use crate::Failure;
@@ -29,12 +29,12 @@ impl Wire {
     /// Reads what is there; 0 for nothing.
     pub(super) fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Gone> {
         let (result, is_stream) = match self {
-            Self::Serial(port) => (port.read(buffer), false),
+            Self::Serial(port) => (port.read(buffer), true),
             Self::Udp(socket) => (socket.recv(buffer), false),
             Self::Unix(stream) => (stream.read(buffer), true),
         };
         match result {
-            // The end of a stream; a serial port in raw mode says so when nothing is there.
+            // The end of a stream, and a port that was unplugged: one that is only quiet would block.
             Ok(0) if is_stream => Err(Gone),
             Ok(length) => Ok(length),
             Err(error) => self.judge(&error),
@@ -127,6 +127,9 @@ fn open_serial(path: &std::path::Path, baud: u32) -> io::Result<File> {
     let port = OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)?;
     let mut settings = tcgetattr(&port)?;
     settings.make_raw();
+    // A read of nothing is then an error that says so, and not an end.
+    settings.special_codes[SpecialCodeIndex::VMIN] = 1;
+    settings.special_codes[SpecialCodeIndex::VTIME] = 0;
     settings.set_speed(baud)?;
     tcsetattr(&port, OptionalActions::Now, &settings)?;
     Ok(port)

@@ -116,8 +116,9 @@ impl<'o> Housekeeping<'o> {
                 self.say(tick, &format!("{} → {}", from.name(), to.name()));
             }
             Event::Safe { tick, cause: why } => {
+                let from = self.mode.name();
                 (self.mode, self.cause) = (Mode::Safe, Some(why));
-                self.say(tick, &format!("{} → SAFE: {}", self.mode.name(), cause(why)));
+                self.say(tick, &format!("{from} → SAFE: {}", cause(why)));
             }
             Event::Ended { account, mode, .. } => (self.account, self.mode) = (Some(account), mode),
         }
