@@ -8,23 +8,32 @@
 //! the air.
 
 mod bed;
-mod fan;
+mod check_valve;
+mod hatch;
 mod head_curve;
 mod heat_exchanger;
+pub mod isentropic;
+mod machine;
 mod measured;
+mod orifice;
 mod pipe;
-mod pump;
+mod pressure_regulator;
 mod reference_pipe;
+mod relief_valve;
 mod valve;
 
 pub use bed::Bed;
-pub use fan::Fan;
+pub use check_valve::CheckValve;
+pub use hatch::Hatch;
 pub use head_curve::HeadCurve;
 pub use heat_exchanger::HeatExchanger;
+pub use machine::{Fan, Pump};
 pub use measured::Measured;
+pub use orifice::Orifice;
 pub use pipe::Pipe;
-pub use pump::Pump;
+pub use pressure_regulator::PressureRegulator;
 pub use reference_pipe::ReferencePipe;
+pub use relief_valve::ReliefValve;
 pub use valve::Valve;
 
 use crate::Fingerprint;
@@ -58,8 +67,32 @@ pub struct Operating<'a> {
     pub inputs: &'a [f32],
     /// Present mass flow at the element's inlet [kg/s].
     pub mass_flow_kg_s: f32,
-    /// Present inlet density over the density for which the parameters hold; 1 where density is fixed.
+    /// Present inlet density over the density for which the parameters hold, > 0; 1 where density is fixed.
     pub density_ratio: f32,
+    /// Absolute pressure at the inlet [Pa], ≥ 0; present only for an element that [`Element::responds`].
+    pub inlet_pa: f32,
+    /// Absolute pressure at the outlet [Pa], ≥ 0; likewise.
+    pub outlet_pa: f32,
+    /// Temperature of the gas that comes to the element [K], > 0; likewise.
+    pub temperature_k: f32,
+    /// The element's own memory, as many slots as [`Element::memory`] says; likewise.
+    pub memory: &'a [f32],
+}
+
+impl<'a> Operating<'a> {
+    /// An operating point for elements that look at inputs and flow only: fixed density, and for all others the
+    /// same sea-level pressure on both sides.
+    pub const fn plain(inputs: &'a [f32], mass_flow_kg_s: f32) -> Self {
+        Self {
+            inputs,
+            mass_flow_kg_s,
+            density_ratio: 1.0,
+            inlet_pa: 101_325.0,
+            outlet_pa: 101_325.0,
+            temperature_k: 293.15,
+            memory: &[],
+        }
+    }
 }
 
 /// Name, unit and valid range of one input of an element.
@@ -153,9 +186,50 @@ pub trait Element {
         self.is_active()
     }
 
-    /// States the pressure law at the present operating point. Never panics and never returns NaN for inputs
-    /// in range.
+    /// Whether the element looks at more than inputs and flow: at the pressures at its ends, at the direction of
+    /// flow, or at a memory of its own. It is active then, and its line is a [`crate::Responsive`] one, whose laws
+    /// are stated anew in every step.
+    fn responds(&self) -> bool {
+        false
+    }
+
+    /// Whether the law itself depends on the pressures at both ends. `adaptive`, whose lines have pressures at
+    /// their nodes only, takes one such element a line.
+    fn needs_both_ends(&self) -> bool {
+        false
+    }
+
+    /// Largest chord slope of the flow over either pressure, per secant w/y, that the law can have [1]: κ of the
+    /// operator's bound. (1 + √2)/2 for a root law, with a smaller conductance for reversed flow or not.
+    fn chord_over_secant(&self) -> f32 {
+        1.207_107
+    }
+
+    /// States the pressure law at the present operating point; for an element with a law of its own for reversed
+    /// flow that for forward flow. Never panics and never returns NaN for inputs in range. For pressures in range
+    /// it is a resistance: what it loses never falls with flow.
     fn law(&self, at: &Operating<'_>) -> Law;
+
+    /// States the law for reversed flow; asked only of an element that [`Self::responds`].
+    fn reverse_law(&self, at: &Operating<'_>) -> Law {
+        self.law(at)
+    }
+
+    /// Number of `f32` that the element remembers from step to step. They are part of the state; at the start they
+    /// are 0 and then advanced once by a step without end.
+    fn memory(&self) -> usize {
+        0
+    }
+
+    /// Advances the memory by one step of `step_s` [s, > 0, may be infinite], before the step's laws are stated.
+    /// This is the only place where it changes.
+    fn advance(&self, _at: &Operating<'_>, _step_s: f32, _memory: &mut [f32]) {}
+
+    /// Whether the memory is an opening within 0…1 that follows the pressures continuously and is brought back by the
+    /// pressures that it causes, so that its rest can be bracketed; otherwise it switches.
+    fn settles(&self) -> bool {
+        false
+    }
 
     /// Mass taken out at the element's outlet per mass that leaves it, s in `w_in = (1 + s)·w_out` [≥ 0]. It
     /// acts on forward flow only: nothing is put back into reversed flow.
@@ -191,6 +265,16 @@ pub enum StdElement {
     Bed(Bed),
     /// Real hardware whose flow is an input.
     Measured(Measured),
+    /// Leak or opening with isentropic, choked flow.
+    Orifice(Orifice),
+    /// Passes forward flow only.
+    CheckValve(CheckValve),
+    /// Opens at one pressure and closes at a lower one.
+    ReliefValve(ReliefValve),
+    /// Holds the pressure at its outlet.
+    PressureRegulator(PressureRegulator),
+    /// Opening between modules.
+    Hatch(Hatch),
 }
 
 /// Calls one method of the element inside, whichever it is.
@@ -205,6 +289,11 @@ macro_rules! each {
             StdElement::HeatExchanger($inner) => $call,
             StdElement::Bed($inner) => $call,
             StdElement::Measured($inner) => $call,
+            StdElement::Orifice($inner) => $call,
+            StdElement::CheckValve($inner) => $call,
+            StdElement::ReliefValve($inner) => $call,
+            StdElement::PressureRegulator($inner) => $call,
+            StdElement::Hatch($inner) => $call,
         }
     };
 }
@@ -234,6 +323,35 @@ impl Element for StdElement {
     #[inline(always)]
     fn law(&self, at: &Operating<'_>) -> Law {
         each!(self, element => element.law(at))
+    }
+
+    #[inline(always)]
+    fn responds(&self) -> bool {
+        each!(self, element => element.responds())
+    }
+
+    fn needs_both_ends(&self) -> bool {
+        each!(self, element => element.needs_both_ends())
+    }
+
+    fn chord_over_secant(&self) -> f32 {
+        each!(self, element => element.chord_over_secant())
+    }
+
+    fn reverse_law(&self, at: &Operating<'_>) -> Law {
+        each!(self, element => element.reverse_law(at))
+    }
+
+    fn memory(&self) -> usize {
+        each!(self, element => element.memory())
+    }
+
+    fn advance(&self, at: &Operating<'_>, step_s: f32, memory: &mut [f32]) {
+        each!(self, element => element.advance(at, step_s, memory));
+    }
+
+    fn settles(&self) -> bool {
+        each!(self, element => element.settles())
     }
 
     #[inline(always)]

@@ -62,6 +62,7 @@ pub fn paper_loop() -> Network<'static> {
         lines: &LINES,
         segments: &SEGMENTS,
         active: &ACTIVE,
+        responsive: &[],
         inputs: &INPUTS,
         schedules: &[],
         points: &[],

@@ -55,7 +55,7 @@ pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, St
 pub use fingerprint::Fingerprint;
 pub use method::adaptive::split::{InTurn, Join, SplitBuffers};
 pub use method::{Method, MethodError};
-pub use network::{Active, Line, Network, NetworkError, Segment};
+pub use network::{Active, Line, Network, NetworkError, Responsive, Segment};
 pub use node::{Node, NodeKind};
 pub use operator::{Margin, Proof};
 pub use plan::{End, Plan, PlanError};

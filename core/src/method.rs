@@ -5,6 +5,7 @@ pub(crate) mod common;
 pub(crate) mod implicit;
 pub(crate) mod observe;
 pub(crate) mod relaxation;
+pub(crate) mod responsive;
 
 use crate::element::Element;
 use crate::{Network, NodeKind, PlanError, Sizes, climate};
@@ -48,6 +49,11 @@ pub enum MethodError {
     TooMuchRemoved(u32),
     /// The nodes of a line start further apart than 10 kPa, where pseudo-time would move real mass.
     PressureDifference(u32),
+    /// The method takes no line whose laws respond to pressure, direction, memory or density.
+    Responsive(u32),
+    /// More than one element of a line has a law that depends on the pressures at both its ends, which the method
+    /// does not know inside a line.
+    SeveralBetweenNodes(u32),
     /// A segment has neither inertance nor a loss at rest, so nothing decides its flow.
     NothingResists(u32),
 }

@@ -52,6 +52,20 @@ pub struct Active {
     pub line: u32,
 }
 
+/// A line whose laws respond to the pressures at their ends, to the direction of flow, to a memory or to the
+/// density of the gas that comes: all of them are stated anew in every step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Responsive {
+    /// The line.
+    pub line: u32,
+    /// First of the memory slots of its elements, which follow each other in segment order.
+    pub first_memory: u32,
+    /// Density for which the line's parameters hold [kg/m³], where the density of the upstream node counts; 0
+    /// where density is fixed.
+    pub reference_density_kg_m3: f32,
+}
+
 /// The whole description, borrowed. Generic over the element set, with ours as the default.
 #[derive(Debug, Clone, Copy)]
 pub struct Network<'a, E = StdElement> {
@@ -63,8 +77,10 @@ pub struct Network<'a, E = StdElement> {
     pub lines: &'a [Line],
     /// Segments of all lines, in line order.
     pub segments: &'a [Segment<E>],
-    /// All segments with an active element, in segment order.
+    /// All segments with an active element in lines that are not responsive, in segment order.
     pub active: &'a [Active],
+    /// All lines with an element that [`Element::responds`], and those whose density follows; in line order.
+    pub responsive: &'a [Responsive],
     /// Start value of every input slot.
     pub inputs: &'a [f32],
     /// Schedules, each for another input slot.
@@ -107,6 +123,9 @@ pub enum NetworkError {
     InputValue(u32),
     /// The list of active segments is not the one that follows from the segments.
     ActiveList,
+    /// The list of responsive lines is not the one that follows from the segments, or a density in it is not
+    /// finite or negative; the line at which it goes wrong.
+    ResponsiveList(u32),
     /// A schedule's input, points or times do not fit; its index.
     Schedule(u32),
     /// The lists of line ends are not those that follow from the lines.
@@ -134,21 +153,36 @@ impl<E: Element> Network<'_, E> {
             }
         }
         let mut active = self.active.iter();
-        let mut next = 0u32;
+        let mut responsive = self.responsive.iter().peekable();
+        let (mut next, mut next_memory) = (0u32, 0usize);
         for (index, line) in (0u32..).zip(self.lines) {
             let segments = self.check_line(index, line, next)?;
+            let entry = responsive.next_if(|entry| entry.line == index);
+            let fits = entry.is_none_or(|entry| {
+                let density = entry.reference_density_kg_m3;
+                entry.first_memory as usize == next_memory && density.is_finite() && density >= 0.0
+            });
+            let responds = segments.iter().any(|segment| segment.element.responds());
+            if !fits || (responds && entry.is_none()) {
+                return Err(NetworkError::ResponsiveList(index));
+            }
             for (place, segment) in (next..).zip(segments) {
                 self.check_segment(place, segment)?;
                 let expected = Active { segment: place, line: index };
-                if segment.element.is_active() && active.next() != Some(&expected) {
+                let listed = segment.element.is_active() && entry.is_none();
+                if listed && active.next() != Some(&expected) {
                     return Err(NetworkError::ActiveList);
                 }
+                next_memory += segment.element.memory();
             }
             self.check_laws(index, next, segments)?;
             next += line.segments;
         }
         if active.next().is_some() {
             return Err(NetworkError::ActiveList);
+        }
+        if let Some(left) = responsive.next() {
+            return Err(NetworkError::ResponsiveList(left.line));
         }
         if next as usize != self.segments.len() {
             return Err(NetworkError::SegmentRange(self.lines.len() as u32));
@@ -182,7 +216,7 @@ impl<E: Element> Network<'_, E> {
         let mut loss = 0.0;
         for (place, segment) in (first..).zip(segments) {
             let inputs = self.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-            let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 });
+            let law = segment.element.law(&Operating::plain(inputs, 0.0));
             if !segment.element.is_active() && law.linear > 0.0 {
                 let error = ParameterError { parameter: "linear", reason: Reason::OutsideValidity };
                 return Err(NetworkError::Segment(place, error));
@@ -264,7 +298,21 @@ impl<E: Element> Network<'_, E> {
             point.feed(&mut hash);
         }
         self.climate.feed(&mut hash);
+        // That a line responds follows from its elements; only its density is something new.
+        for entry in self.responsive.iter().filter(|entry| entry.reference_density_kg_m3 > 0.0) {
+            hash.word(entry.line);
+            hash.value(entry.reference_density_kg_m3);
+        }
         hash.finish()
+    }
+
+    /// Returns the number of memory slots of all elements.
+    #[inline]
+    pub fn memory_slots(&self) -> usize {
+        let Some(last) = self.responsive.last() else { return 0 };
+        let line = self.lines.get(last.line as usize);
+        let own = line.map_or(0, |line| self.segments_of(line).iter().map(|s| s.element.memory()).sum());
+        last.first_memory as usize + own
     }
 
     /// Returns the segments of a line; empty for a line that failed [`Self::check`].

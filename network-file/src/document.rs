@@ -150,6 +150,9 @@ pub struct LineEntry {
     /// Density for which the line's parameters hold [kg/m³]; that of the `from` node at the start when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_density_kg_m3: Option<f64>,
+    /// `fixed`, or `follows` where the parameters follow the density of the upstream node; fixed when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<String>,
     /// Elements in the direction of flow.
     #[serde(rename = "element")]
     pub elements: Vec<ElementEntry>,
@@ -272,6 +275,59 @@ pub enum ElementKind {
         /// How strongly its flow answers to pressure, at most [kg/(s·Pa)].
         slope_kg_s_pa: f64,
     },
+    /// Opening of the element's own area with isentropic, choked flow.
+    Orifice {
+        /// Discharge coefficient on the area [1].
+        discharge_coefficient: f64,
+    },
+    /// Orifice known by one measured leak.
+    Leak {
+        /// Measured leak [kg/d].
+        leak_kg_d: f64,
+        /// Pressure difference of the measurement [Pa].
+        pressure_drop_pa: f64,
+        /// Absolute pressure before the leak in the measurement [Pa]; that of the line's node of higher pressure
+        /// when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        inlet_pressure_pa: Option<f64>,
+    },
+    /// Passes forward flow only.
+    CheckValve {
+        /// Its loss in forward flow.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Leak in reverse [kg/s].
+        reverse_leak_kg_s: f64,
+        /// Pressure difference at which it leaks so much [Pa].
+        reverse_pressure_pa: f64,
+    },
+    /// Opens at one pressure difference and closes at a lower one.
+    ReliefValve {
+        /// Pressure difference at which it opens [Pa].
+        crack_pa: f64,
+        /// Pressure difference at which it closes [Pa].
+        reseat_pa: f64,
+        /// Its loss when open.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        leakage_opening: Option<f64>,
+    },
+    /// Holds the pressure at its outlet.
+    PressureRegulator(Regulator),
+    /// Opening between modules.
+    Hatch {
+        /// Its loss when open.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Part of the area that remains when closed [1]; [`crate::limits::HATCH_LEAKAGE`] when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        leakage_opening: Option<f64>,
+        /// Opening at the start [1]; 1 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        opening: Option<f64>,
+    },
 }
 
 /// A quadratic loss, given in one of two ways.
@@ -302,6 +358,22 @@ pub struct Machine {
     /// Electric power at rated speed, which heats what it moves [W]; 0 when absent, needs `[air]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power_w: Option<f64>,
+}
+
+/// Pressure regulator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Regulator {
+    /// Discharge coefficient on the element's own area when fully open [1].
+    pub discharge_coefficient: f64,
+    /// Absolute pressure at the outlet at which it closes [Pa].
+    pub set_point_pa: f64,
+    /// Fully open below the set point by this [Pa].
+    pub band_pa: f64,
+    /// Lag of the actuator [s].
+    pub lag_s: f64,
+    /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leakage_opening: Option<f64>,
 }
 
 /// A head curve, given in one of two ways.

@@ -3,13 +3,19 @@
 //! Derived parameters are computed in `f64` and rounded once, so that a file gives the same bits on every
 //! machine.
 
-use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
+use eclss_core::element::{
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump,
+    ReferencePipe, ReliefValve, Valve,
+};
 use eclss_core::{StdElement, air};
 
 use crate::document::{Curve, ElementEntry, ElementKind, Loss};
 use crate::limits::{self, Range};
 use crate::notes::Notes;
 use crate::number::single;
+
+/// Seconds of a day.
+const SECONDS_A_DAY: f64 = 86_400.0;
 
 /// One element while it is converted.
 pub(crate) struct Conversion<'a> {
@@ -19,6 +25,8 @@ pub(crate) struct Conversion<'a> {
     pub(crate) path: &'a str,
     /// Reference density of the line [kg/m³]; 0 for a line out of a vacuum.
     pub(crate) density_kg_m3: f64,
+    /// Pressure [Pa] and temperature [K] of the line's node of higher pressure at the start.
+    pub(crate) high_side: (f64, f64),
     /// Whether the outlet is the line's end, whose volume is the node's.
     pub(crate) last: bool,
 }
@@ -77,7 +85,65 @@ impl Conversion<'_> {
                 largest_flow_kg_s: *largest_flow_kg_s as f32,
                 slope_kg_s_pa: *slope_kg_s_pa as f32,
             }),
+            ElementKind::Orifice { discharge_coefficient } => StdElement::Orifice(Orifice {
+                effective_area_m2: self.effective_area(*discharge_coefficient),
+            }),
+            ElementKind::Leak { leak_kg_d, pressure_drop_pa, inlet_pressure_pa } => {
+                self.leak(*leak_kg_d, *pressure_drop_pa, *inlet_pressure_pa)
+            }
+            ElementKind::CheckValve { loss, reverse_leak_kg_s, reverse_pressure_pa } => {
+                let reverse = reverse_pressure_pa / reverse_leak_kg_s;
+                StdElement::CheckValve(CheckValve {
+                    resistance_pa_s2_kg2: self.resistance(loss),
+                    reverse_pa_s_kg: self.fit("reverse_leak_kg_s", reverse, &limits::SEAT_RESISTANCE),
+                })
+            }
+            ElementKind::ReliefValve { crack_pa, reseat_pa, loss, leakage_opening } => {
+                StdElement::ReliefValve(ReliefValve {
+                    crack_pa: *crack_pa as f32,
+                    reseat_pa: *reseat_pa as f32,
+                    resistance_pa_s2_kg2: self.resistance(loss),
+                    leakage_opening: leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
+                })
+            }
+            ElementKind::PressureRegulator(regulator) => StdElement::PressureRegulator(PressureRegulator {
+                effective_area_m2: self.effective_area(regulator.discharge_coefficient),
+                set_point_pa: regulator.set_point_pa as f32,
+                band_pa: regulator.band_pa as f32,
+                lag_s: regulator.lag_s as f32,
+                leakage_opening: regulator.leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
+            }),
+            ElementKind::Hatch { loss, leakage_opening, .. } => StdElement::Hatch(Hatch {
+                open_resistance_pa_s2_kg2: self.resistance(loss),
+                leakage_opening: leakage_opening.unwrap_or(limits::HATCH_LEAKAGE) as f32,
+            }),
         }
+    }
+
+    /// The orifice that leaks as was measured.
+    fn leak(&mut self, leak_kg_d: f64, pressure_drop_pa: f64, inlet_pressure_pa: Option<f64>) -> StdElement {
+        let (start_pa, temperature_k) = self.high_side;
+        let high = inlet_pressure_pa.unwrap_or(start_pa);
+        if pressure_drop_pa > high {
+            let reason =
+                format!("`pressure_drop_pa` = {pressure_drop_pa} is more than the {high} Pa before it");
+            self.refuse("pressure_drop_pa", reason);
+        }
+        let per_area = flow_per_area(high, high - pressure_drop_pa, temperature_k);
+        let area = leak_kg_d / SECONDS_A_DAY / per_area;
+        StdElement::Orifice(Orifice {
+            effective_area_m2: self.fit("leak_kg_d", area, &limits::EFFECTIVE_AREA),
+        })
+    }
+
+    /// Effective area C_d·A of an opening.
+    fn effective_area(&mut self, discharge_coefficient: f64) -> f32 {
+        let key = "discharge_coefficient";
+        let area = self.area();
+        if area.is_none() {
+            self.refuse(key, "`discharge_coefficient` needs a `diameter_m` or an `area_m2`");
+        }
+        self.fit(key, discharge_coefficient * area.unwrap_or(1.0), &limits::EFFECTIVE_AREA)
     }
 
     /// R, given or from ξ: `R = ξ/(2·ρ·A²)`.
@@ -94,7 +160,7 @@ impl Conversion<'_> {
                     );
                 }
                 let area = area.unwrap_or(1.0);
-                let resistance = loss_coefficient / (2.0 * density * area * area);
+                let resistance = Pipe::resistance_of_loss_coefficient(*loss_coefficient, area, density);
                 self.fit("loss_coefficient", resistance, &limits::RESISTANCE)
             }
         }
@@ -110,16 +176,12 @@ impl Conversion<'_> {
             },
             Curve::Head { h0_m, h1_s_m2, h2_s2_m5 } => {
                 let density = self.density("h0_m");
-                let gravity = f64::from(air::GRAVITY_M_S2);
-                let linear = gravity * h1_s_m2.unwrap_or(0.0);
+                let [shutoff, linear, quadratic] =
+                    HeadCurve::parameters_of_head(*h0_m, h1_s_m2.unwrap_or(0.0), *h2_s2_m5, density);
                 HeadCurve {
-                    shutoff_pa: self.fit("h0_m", density * gravity * h0_m, &limits::PRESSURE),
+                    shutoff_pa: self.fit("h0_m", shutoff, &limits::PRESSURE),
                     linear_pa_s_kg: self.fit("h1_s_m2", linear, &limits::LINEAR_FALL),
-                    quadratic_pa_s2_kg2: self.fit(
-                        "h2_s2_m5",
-                        gravity * h2_s2_m5 / density,
-                        &limits::SOME_RESISTANCE,
-                    ),
+                    quadratic_pa_s2_kg2: self.fit("h2_s2_m5", quadratic, &limits::SOME_RESISTANCE),
                 }
             }
         }
@@ -178,4 +240,15 @@ impl Conversion<'_> {
     fn refuse(&mut self, key: &str, reason: impl Into<String>) {
         self.notes.refuse_at(self.path, &[key], reason);
     }
+}
+
+/// Isentropic flow per effective area [kg/(s·m²)] of dry air, γ = 1.4, from `high` to `low` [Pa, absolute]; the law of
+/// [`eclss_core::element::isentropic`] in `f64`.
+fn flow_per_area(high: f64, low: f64, temperature_k: f64) -> f64 {
+    const GAMMA: f64 = 1.4;
+    let critical = libm::pow(2.0 / (GAMMA + 1.0), GAMMA / (GAMMA - 1.0));
+    let ratio = f64::max(low / high, critical);
+    let fall = libm::pow(ratio, 2.0 / GAMMA) - libm::pow(ratio, (GAMMA + 1.0) / GAMMA);
+    let gas = f64::from(air::GAS_CONSTANT_J_KG_K) * temperature_k;
+    high / libm::sqrt(gas) * libm::sqrt(2.0 * GAMMA / (GAMMA - 1.0) * fall)
 }

@@ -98,7 +98,8 @@ fn range(element: &StdElement) -> (f64, f64) {
 }
 
 fn loss(element: &StdElement, input: f32, flow_kg_s: f64) -> Loss {
-    let at = Operating { inputs: &[input], mass_flow_kg_s: flow_kg_s as f32, density_ratio: 1.0 };
+    let inputs = [input];
+    let at = Operating::plain(&inputs, flow_kg_s as f32);
     let law = element.law(&at);
     Loss { quadratic: law.resistance.into(), linear: law.linear.into(), head: law.head.into() }
 }

@@ -218,6 +218,7 @@ fn line(id: String, (from, to): (usize, usize), elements: Vec<ElementEntry>) -> 
         laminar_below_pa: Some(0.1),
         initial_flow_kg_s: None,
         reference_density_kg_m3: None,
+        density: None,
         elements,
     }
 }

@@ -37,6 +37,8 @@ pub const ID_BYTES: usize = 48;
 pub const LAMINAR_BELOW_PA: f64 = 1e-3;
 /// Opening that remains of a closed valve when its file does not say [1].
 pub const LEAKAGE_OPENING: f64 = 1e-3;
+/// Part of a hatch's area that remains when closed and its file does not say [1].
+pub const HATCH_LEAKAGE: f64 = 1e-5;
 /// Default method.
 pub const METHOD: &str = "relaxation";
 /// Default step.
@@ -121,6 +123,22 @@ pub const MEASURED_FLOW: Range = range(1e-6, 100.0, "kg/s");
 pub const MEASURED_SLOPE: Range = range(1e-9, 1e3, "kg/(s·Pa)");
 /// Leakage openings.
 pub const LEAKAGE: Range = range(1e-4, 1.0, "1");
+/// Parts of a hatch's area that remain when closed.
+pub const HATCH_LEFT: Range = range(1e-6, 1.0, "1");
+/// Discharge coefficients.
+pub const DISCHARGE: Range = range(1e-3, 1.0, "1");
+/// Effective areas of openings.
+pub const EFFECTIVE_AREA: Range = range(1e-12, 1e4, "m²");
+/// Measured leaks.
+pub const LEAK: Range = range(1e-9, 1e6, "kg/d");
+/// Leaks of a check valve's seat.
+pub const SEAT_LEAK: Range = range(1e-12, 1.0, "kg/s");
+/// Linear resistances of a check valve's seat.
+pub const SEAT_RESISTANCE: Range = range(1e-3, 1e19, "Pa·s/kg");
+/// Pressures that may not vanish.
+pub const SOME_PRESSURE: Range = range(1e-3, 1e7, "Pa");
+/// Lags of an actuator.
+pub const LAG: Range = range(1e-3, 1e5, "s");
 /// Exponents of a valve's opening.
 pub const VALVE_EXPONENT: Range = range(0.0, 6.0, "1");
 /// Exponents of the flow.

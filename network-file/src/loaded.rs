@@ -2,7 +2,9 @@
 
 use eclss_core::climate::medium::Medium;
 use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Station, Volume, Wall};
-use eclss_core::{Active, Climate, Line, Method, Network, Node, Schedule, SchedulePoint, Segment};
+use eclss_core::{
+    Active, Climate, Line, Method, Network, Node, Responsive, Schedule, SchedulePoint, Segment,
+};
 
 use crate::document::NetworkFile;
 use crate::plan::PlanTables;
@@ -36,6 +38,8 @@ pub struct Loaded {
     pub segments: Vec<Segment>,
     /// Segments whose law changes during a run.
     pub active: Vec<Active>,
+    /// Lines whose laws respond to pressures or density.
+    pub responsive: Vec<Responsive>,
     /// Start value of every input slot.
     pub inputs: Vec<f32>,
     /// Schedules.
@@ -151,6 +155,7 @@ impl Loaded {
             lines: &self.lines,
             segments: &self.segments,
             active: &self.active,
+            responsive: &self.responsive,
             inputs: &self.inputs,
             schedules: &self.schedules,
             points: &self.points,

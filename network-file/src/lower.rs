@@ -5,7 +5,7 @@ mod climate;
 use std::collections::{HashMap, HashSet};
 
 use eclss_core::element::Operating;
-use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Segment, StdElement, air};
+use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Responsive, Segment, air};
 
 use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
 use crate::duration::duration_us;
@@ -67,6 +67,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         lines: tables.lines,
         segments: tables.segments,
         active: tables.active,
+        responsive: tables.responsive,
         inputs: driven.inputs,
         schedules: driven.schedules,
         points: driven.points,
@@ -172,6 +173,8 @@ struct Tables {
     lines: Vec<Line>,
     segments: Vec<Segment>,
     active: Vec<Active>,
+    responsive: Vec<Responsive>,
+    memory_slots: usize,
     slots: Vec<Slot>,
     names: Vec<String>,
 }
@@ -188,28 +191,32 @@ impl Tables {
         let from = node_of(ids, &line.from, path, "from", notes);
         let to = node_of(ids, &line.to, path, "to", notes);
         let density_kg_m3 = density(file, line, from);
+        let high_side = high_side(file, from, to);
         let first_segment = self.segments.len();
         for (place, entry) in line.elements.iter().enumerate() {
             let path = format!("{path}.element[{place}]");
             let last = place + 1 == line.elements.len();
             let (element, inertance_per_m, outlet_volume_m3) =
-                Conversion { notes, entry, path: &path, density_kg_m3, last }.convert();
+                Conversion { notes, entry, path: &path, density_kg_m3, high_side, last }.convert();
             if let Err(error) = element.check() {
                 notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
-            }
-            let segment = self.segments.len() as u32;
-            if element.is_active() {
-                self.active.push(Active { segment, line: self.lines.len() as u32 });
             }
             let first_input = self.slots.len() as u32;
             input::slots_of(&element, entry, &path, &mut self.slots);
             self.segments.push(Segment { element, inertance_per_m, outlet_volume_m3, first_input });
             self.names.push(entry.id.clone());
         }
+        let follows = line.density.as_deref() == Some("follows");
+        if follows && density_kg_m3 <= 0.0 {
+            let reason =
+                "`density` follows none: give the line a `reference_density_kg_m3`, it starts in a vacuum";
+            notes.refuse_at(path, &["density"], reason);
+        }
+        self.list(first_segment, if follows { density_kg_m3 as f32 } else { 0.0 });
         let segments = &self.segments[first_segment..];
         let start_flow_kg_s = line.initial_flow_kg_s.unwrap_or(0.0);
         let drop_pa = pressure(file, from) - pressure(file, to);
-        if let Some(flow) = excessive_flow(segments, drop_pa) {
+        if let Some(flow) = excessive_flow(segments, drop_pa, high_side) {
             let limit = Fault::FLOW_LIMIT_KG_S;
             let reason = format!("line `{}` would carry up to {flow:.0} kg/s, more than {limit}", line.id);
             notes.refuse_at(path, &["id"], reason);
@@ -226,6 +233,25 @@ impl Tables {
     }
 }
 
+impl Tables {
+    /// Puts the line whose segments begin at `first_segment` into the list of responsive lines, or its segments into
+    /// that of active ones.
+    fn list(&mut self, first_segment: usize, reference_density_kg_m3: f32) {
+        let line = self.lines.len() as u32;
+        let segments = &self.segments[first_segment..];
+        let responds = segments.iter().any(|segment| segment.element.responds());
+        if responds || reference_density_kg_m3 > 0.0 {
+            let first_memory = self.memory_slots as u32;
+            self.responsive.push(Responsive { line, first_memory, reference_density_kg_m3 });
+            self.memory_slots += segments.iter().map(|segment| segment.element.memory()).sum::<usize>();
+            return;
+        }
+        let active =
+            (first_segment as u32..).zip(segments).filter(|(_, segment)| segment.element.is_active());
+        self.active.extend(active.map(|(segment, _)| Active { segment, line }));
+    }
+}
+
 fn node_of(ids: &Ids<'_>, id: &str, path: &str, key: &str, notes: &mut Notes) -> Option<usize> {
     let node = ids.nodes.get(id).copied();
     if node.is_none() {
@@ -237,6 +263,16 @@ fn node_of(ids: &Ids<'_>, id: &str, path: &str, key: &str, notes: &mut Notes) ->
 /// Absolute pressure of a node at the start [Pa].
 fn pressure(file: &NetworkFile, node: Option<usize>) -> f64 {
     node.and_then(|node| file.nodes.get(node)).map_or(0.0, |node| node.pressure_pa)
+}
+
+/// Pressure [Pa] and temperature [K] of the node of higher pressure at the start.
+fn high_side(file: &NetworkFile, from: Option<usize>, to: Option<usize>) -> (f64, f64) {
+    let side = |node: Option<usize>| {
+        let node = node.and_then(|node| file.nodes.get(node));
+        node.map_or((0.0, 1.0), |node| (node.pressure_pa, node.temperature_k))
+    };
+    let (from, to) = (side(from), side(to));
+    if to.0 > from.0 { to } else { from }
 }
 
 /// Density for which the line's parameters hold [kg/m³].
@@ -254,21 +290,22 @@ fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>) -> f64 {
     line.reference_density_kg_m3.or_else(of_node).unwrap_or(1.0)
 }
 
-/// Loss at 1 kg/s [Pa] and head [Pa] of an element with these inputs.
-fn law(element: &StdElement, inputs: &[f32]) -> (f32, f32) {
-    let law = element.law(&Operating { inputs, mass_flow_kg_s: 1.0, density_ratio: 1.0 });
-    (law.resistance + law.linear, law.head)
-}
-
 /// The steady flow with everything open and every machine at its highest speed [kg/s], if no run with it could
 /// be trusted.
-fn excessive_flow(segments: &[Segment], drop_pa: f64) -> Option<f64> {
+fn excessive_flow(segments: &[Segment], drop_pa: f64, (high_pa, temperature_k): (f64, f64)) -> Option<f64> {
     let (mut loss, mut drive) = (0.0, drop_pa.abs());
     for segment in segments {
         let most = segment.element.input_spec(0).map_or(1.0, |spec| spec.max);
-        let (resistance, head) = law(&segment.element, &[most]);
-        loss += f64::from(resistance);
-        drive += f64::from(head);
+        let inlet_pa = high_pa as f32;
+        let outlet_pa = (high_pa - drop_pa.abs()) as f32;
+        let temperature_k = temperature_k as f32;
+        let inputs = &[most];
+        // A relief valve open, a regulator open.
+        let at =
+            Operating { inlet_pa, outlet_pa, temperature_k, memory: &[1.0], ..Operating::plain(inputs, 1.0) };
+        let law = segment.element.law(&at);
+        loss += f64::from(law.resistance) + f64::from(law.linear);
+        drive += f64::from(law.head);
     }
     let flow = libm::sqrt(drive / loss);
     (loss > 0.0 && flow > f64::from(Fault::FLOW_LIMIT_KG_S)).then_some(flow)

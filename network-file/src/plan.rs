@@ -77,6 +77,7 @@ impl PlanTables {
             lines,
             segments,
             active: &[],
+            responsive: &[],
             inputs: &[],
             schedules: &[],
             points: &[],

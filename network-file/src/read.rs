@@ -9,8 +9,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::channel;
 use crate::document::{
-    Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run,
-    SCHEMA, ScheduleEntry,
+    Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind,
+    Regulator, Run, SCHEMA, ScheduleEntry,
 };
 use crate::limits;
 use crate::notes::Notes;
@@ -19,7 +19,7 @@ use crate::table::Table;
 
 /// Kinds of node and of element, as written.
 const NODE_KINDS: [&str; 5] = ["cabin", "liquid", "accumulator", "junction", "boundary"];
-const ELEMENT_KINDS: [&str; 11] = [
+const ELEMENT_KINDS: [&str; 17] = [
     "pipe",
     "reference_pipe",
     "valve",
@@ -31,6 +31,12 @@ const ELEMENT_KINDS: [&str; 11] = [
     "coolant_side",
     "heater",
     "measured",
+    "orifice",
+    "leak",
+    "check_valve",
+    "relief_valve",
+    "pressure_regulator",
+    "hatch",
 ];
 
 /// Reads the whole text; the document counts only if there are no findings.
@@ -167,13 +173,29 @@ fn read_line(line: &mut Table<'_, '_>) -> LineEntry {
         laminar_below_pa: line.number("laminar_below_pa", &limits::PRESSURE),
         initial_flow_kg_s: line.number("initial_flow_kg_s", &limits::MASS_FLOW),
         reference_density_kg_m3: line.number("reference_density_kg_m3", &limits::DENSITY),
+        density: line.word("density", &["fixed", "follows"]),
         elements: line.tables("element", 1..=limits::ELEMENTS, read_element),
     }
 }
 
 fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
     let id = element.need_id("id");
-    let kind = match element.need_kind("kind", &ELEMENT_KINDS)?.as_str() {
+    let kind = element.need_kind("kind", &ELEMENT_KINDS)?;
+    let kind = read_passage(element, &kind).unwrap_or_else(|| read_opening(element, &kind));
+    Some(ElementEntry {
+        id,
+        kind,
+        length_m: element.number("length_m", &limits::LENGTH),
+        diameter_m: element.number("diameter_m", &limits::DIAMETER),
+        area_m2: element.number("area_m2", &limits::AREA),
+        inertance_per_m: element.number("inertance_per_m", &limits::INERTANCE),
+        outlet_volume_m3: element.number("outlet_volume_m3", &limits::OUTLET_VOLUME),
+    })
+}
+
+/// Ducts and machines; `None` for the kinds of [`read_opening`].
+fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> {
+    Some(match kind {
         "pipe" => ElementKind::Pipe { loss: read_loss(element) },
         "reference_pipe" => ElementKind::ReferencePipe {
             pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::REFERENCE_DROP),
@@ -207,21 +229,50 @@ fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
             let loss = read_loss(element);
             ElementKind::Heater { loss, starts: air::starts(element, &[parts::HEATER_INPUT]) }
         }
-        _ => ElementKind::Bed {
+        "bed" => ElementKind::Bed {
             loss: read_loss(element),
             mass_fraction: element.need_number("mass_fraction", &limits::FRACTION),
             capture_efficiency: element.need_number("capture_efficiency", &limits::FRACTION),
         },
-    };
-    Some(ElementEntry {
-        id,
-        kind,
-        length_m: element.number("length_m", &limits::LENGTH),
-        diameter_m: element.number("diameter_m", &limits::DIAMETER),
-        area_m2: element.number("area_m2", &limits::AREA),
-        inertance_per_m: element.number("inertance_per_m", &limits::INERTANCE),
-        outlet_volume_m3: element.number("outlet_volume_m3", &limits::OUTLET_VOLUME),
+        _ => return None,
     })
+}
+
+/// Openings and valves that respond to pressure, and the hatch.
+fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
+    match kind {
+        "orifice" => ElementKind::Orifice {
+            discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
+        },
+        "leak" => ElementKind::Leak {
+            leak_kg_d: element.need_number("leak_kg_d", &limits::LEAK),
+            pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::SOME_PRESSURE),
+            inlet_pressure_pa: element.number("inlet_pressure_pa", &limits::SOME_PRESSURE),
+        },
+        "check_valve" => ElementKind::CheckValve {
+            loss: read_loss(element),
+            reverse_leak_kg_s: element.need_number("reverse_leak_kg_s", &limits::SEAT_LEAK),
+            reverse_pressure_pa: element.need_number("reverse_pressure_pa", &limits::SOME_PRESSURE),
+        },
+        "relief_valve" => ElementKind::ReliefValve {
+            crack_pa: element.need_number("crack_pa", &limits::SOME_PRESSURE),
+            reseat_pa: element.need_number("reseat_pa", &limits::PRESSURE),
+            loss: read_loss(element),
+            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+        },
+        "pressure_regulator" => ElementKind::PressureRegulator(Regulator {
+            discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
+            set_point_pa: element.need_number("set_point_pa", &limits::SOME_PRESSURE),
+            band_pa: element.need_number("band_pa", &limits::SOME_PRESSURE),
+            lag_s: element.need_number("lag_s", &limits::LAG),
+            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+        }),
+        _ => ElementKind::Hatch {
+            loss: read_loss(element),
+            leakage_opening: element.number("leakage_opening", &limits::HATCH_LEFT),
+            opening: element.number("opening", &limits::FRACTION),
+        },
+    }
 }
 
 fn read_loss(element: &mut Table<'_, '_>) -> Loss {

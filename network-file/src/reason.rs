@@ -24,7 +24,9 @@ pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
         "pressure_drop_pa" => &["pressure_drop_pa"],
         "mass_flow_kg_s" => &["mass_flow_kg_s"],
         "exponent" => &["exponent"],
-        "open_resistance_pa_s2_kg2" => &["open_resistance_pa_s2_kg2"],
+        "open_resistance_pa_s2_kg2" => {
+            &["open_resistance_pa_s2_kg2", "resistance_pa_s2_kg2", "loss_coefficient"]
+        }
         "leakage_opening" => &["leakage_opening"],
         "liquid_fraction" => &["liquid_fraction"],
         "separator_efficiency" => &["separator_efficiency"],
@@ -40,6 +42,13 @@ pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
         "filter_s" => &["filter_s"],
         "safe_value" => &["safe_value"],
         "safe_rate_per_s" => &["safe_rate_per_s"],
+        "effective_area_m2" => &["discharge_coefficient", "leak_kg_d"],
+        "reverse_pa_s_kg" => &["reverse_leak_kg_s"],
+        "crack_pa" => &["crack_pa"],
+        "reseat_pa" => &["reseat_pa"],
+        "set_point_pa" => &["set_point_pa"],
+        "band_pa" => &["band_pa"],
+        "lag_s" => &["lag_s"],
         _ => &[],
     }
 }
@@ -53,6 +62,10 @@ pub(crate) fn text(error: ParameterError) -> String {
         Reason::NotAFraction => "must lie in 0 … 1",
         Reason::OutsideValidity => "lies outside the range for which its law is known",
         Reason::NotFalling => "does not make the head curve fall with flow",
+    };
+    let reason = match error.parameter {
+        "reseat_pa" if error.reason == Reason::OutsideValidity => "must lie below `crack_pa`",
+        _ => reason,
     };
     format!("`{}` {reason}", keys_of(error.parameter).first().unwrap_or(&error.parameter))
 }
@@ -100,7 +113,7 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
         NetworkError::SegmentRange(index) | NetworkError::FlowSegment(index) => {
             (format!("line[{index}]"), &[], format!("internal: {error:?}"))
         }
-        NetworkError::ActiveList | NetworkError::Plan(_) => {
+        NetworkError::ActiveList | NetworkError::ResponsiveList(_) | NetworkError::Plan(_) => {
             (String::new(), &["line"], format!("internal: {error:?}"))
         }
     };
@@ -151,6 +164,20 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
             &["from", "id"],
             format!("starts over more than 10 kPa, too much for the pseudo-time of method {method}"),
             "take another method in [run]",
+        ),
+        MethodError::Responsive(index) => (
+            format!("line[{index}]"),
+            &["density", "id"],
+            format!("has laws that respond to pressures or density, which method {method} does not take"),
+            "take `adaptive` or an implicit method in [run]",
+        ),
+        MethodError::SeveralBetweenNodes(index) => (
+            format!("line[{index}]"),
+            &["id"],
+            format!(
+                "has several elements that need the pressures at both their ends, method {method} takes one"
+            ),
+            "put a node between them, or take an implicit method in [run]",
         ),
         MethodError::NothingResists(index) => (
             element_path(loaded, index),

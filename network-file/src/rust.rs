@@ -34,13 +34,14 @@ impl Loaded {
         text.push_str("// Generated from a network file; do not edit.\n\n");
         text.push_str(
             "#[allow(unused_imports)] // a network need not have every kind of element\n\
-             use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};\n\
+             use ::eclss_core::element::{\n    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, \
+             PressureRegulator, Pump, ReferencePipe,\n    ReliefValve, Valve,\n};\n\
              #[allow(unused_imports)] // nor channels\n\
              use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
              Point, Port, Scaling,\n};\n\
              #[allow(unused_imports)] // nor schedules\n\
-             use ::eclss_core::{\n    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, \
-             SchedulePoint, Segment, Settings,\n    Sizes, StdElement,\n};\n",
+             use ::eclss_core::{\n    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, \
+             Schedule, SchedulePoint, Segment,\n    Settings, Sizes, StdElement,\n};\n",
         );
         if !self.climate.volumes.is_empty() {
             text.push_str(
@@ -92,6 +93,8 @@ impl Loaded {
             )
         });
         table(text, "Segments whose law changes.", "ACTIVE", "Active", &self.active, debug);
+        let responsive = &self.responsive;
+        table(text, "Lines whose laws respond.", "RESPONSIVE", "Responsive", responsive, debug);
         table(text, "Start values of the inputs.", "INPUTS", "f32", &self.inputs, debug);
         table(text, "Schedules.", "SCHEDULES", "Schedule", &self.schedules, |schedule| {
             format!(
@@ -171,7 +174,8 @@ impl Loaded {
                  type Element = StdElement;\n    \
                  const NETWORK: Network<'static> = Network {{\n        \
                      reference_pa: {:?},\n        nodes: &NODES,\n        lines: &LINES,\n        \
-                     segments: &SEGMENTS,\n        active: &ACTIVE,\n        inputs: &INPUTS,\n        \
+                     segments: &SEGMENTS,\n        active: &ACTIVE,\n        responsive: &RESPONSIVE,\n        \
+                     inputs: &INPUTS,\n        \
                      schedules: &SCHEDULES,\n        points: &POINTS,\n        \
                      plan: Plan {{\n            \
                          end_start: &PLAN_END_START,\n            ends: &PLAN_ENDS,\n            \

@@ -19,7 +19,9 @@
 mod characteristic;
 mod elimination;
 mod island;
+mod memory;
 mod newton;
+mod response;
 
 use eclss_core::element::Element;
 use eclss_core::{Network, NetworkError, NodeKind};
@@ -74,6 +76,11 @@ pub enum SteadyError {
         node: u32,
         /// Its absolute pressure in the balance [Pa].
         pressure_pa: f64,
+    },
+    /// Elements with a memory never find a place: where they stand, the pressures make them switch.
+    Switching {
+        /// The segments.
+        segments: Vec<u32>,
     },
     /// The iteration did not find a balance.
     NotFound {
@@ -155,6 +162,10 @@ impl SteadyError {
             Self::BelowVacuum { node: index, pressure_pa } => {
                 format!("no steady state: {} would need {pressure_pa:.1} Pa absolute", node(index))
             }
+            Self::Switching { segments } => format!(
+                "no steady state: {} would open and close for ever",
+                segments.iter().map(|index| name(&names.segments, *index)).collect::<Vec<_>>().join(", ")
+            ),
             Self::NotFound { line: index, imbalance_pa } => {
                 format!("no steady state found: line {} lacks {imbalance_pa:.3e} Pa", line(index))
             }

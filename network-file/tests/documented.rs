@@ -16,7 +16,7 @@ fn its_example_is_accepted() {
 
 #[test]
 fn its_ranges_are_the_ones_that_are_checked() {
-    let ranges: [(&str, &Range); 33] = [
+    let ranges: [(&str, &Range); 47] = [
         ("reference_pressure_pa", &limits::PRESSURE),
         ("volume_m3", &limits::NODE_VOLUME),
         ("pressure_pa", &limits::PRESSURE),
@@ -50,6 +50,20 @@ fn its_ranges_are_the_ones_that_are_checked() {
         ("h1_s_m2", &limits::HEAD_LINEAR),
         ("h2_s2_m5", &limits::HEAD_QUADRATIC),
         ("speed", &limits::SPEED),
+        ("discharge_coefficient", &limits::DISCHARGE),
+        ("leak_kg_d", &limits::LEAK),
+        ("pressure_drop_pa", &limits::SOME_PRESSURE),
+        ("inlet_pressure_pa", &limits::SOME_PRESSURE),
+        ("reverse_leak_kg_s", &limits::SEAT_LEAK),
+        ("reverse_pressure_pa", &limits::SOME_PRESSURE),
+        ("crack_pa", &limits::SOME_PRESSURE),
+        ("reseat_pa", &limits::PRESSURE),
+        ("leakage_opening", &limits::LEAKAGE),
+        ("set_point_pa", &limits::SOME_PRESSURE),
+        ("band_pa", &limits::SOME_PRESSURE),
+        ("lag_s", &limits::LAG),
+        ("leakage_opening", &limits::HATCH_LEFT),
+        ("opening", &limits::FRACTION),
     ];
     for (key, range) in ranges {
         let row = |line: &&str| line.starts_with(&format!("| `{key}`"));

@@ -336,6 +336,128 @@ fn lines_whose_flow_has_no_value_or_no_bounds() {
     );
 }
 
+/// The small network with another element in place of its valve.
+const OPENING: &str = r#"schema = 1
+name = "openings"
+reference_pressure_pa = 101325.0
+
+[run]
+method = "adaptive"
+
+[[node]]
+id = "cabin"
+kind = "cabin"
+volume_m3 = 60.0
+pressure_pa = 101325.0
+temperature_k = 295.15
+
+[[node]]
+id = "space"
+kind = "boundary"
+pressure_pa = 0.0
+temperature_k = 270.0
+
+[[line]]
+id = "out"
+from = "cabin"
+to = "space"
+"#;
+
+/// `element` after the small network; it must be refused for `reason` where it has its mark `«`.
+#[track_caller]
+fn spoil_opening(element: &str, reason: &str) {
+    let marked = format!("{OPENING}\n[[line.element]]\nid = \"opening\"\n{element}\n");
+    let byte = marked.find('«').expect("a mark");
+    let text = marked.replace('«', "");
+    let line = text[..byte].matches('\n').count() + 1;
+    let found: Vec<_> = refused(&text).problems().iter().map(ToString::to_string).collect();
+    let wanted = format!("small.toml:{line}:");
+    let is_told = |problem: &String| problem.starts_with(&wanted) && problem.contains(reason);
+    assert!(found.iter().any(is_told), "wanted {wanted} {reason}\nfound  {found:#?}");
+}
+
+#[test]
+fn openings_and_valves_with_parameters_that_make_no_sense() {
+    for (element, reason) in [
+        ("kind = \"orifice\"\ndischarge_coefficient = «1.5\narea_m2 = 1e-4", "must lie in"),
+        ("kind = \"orifice\"\ndischarge_coefficient = «0.0\narea_m2 = 1e-4", "must lie in"),
+        ("kind = \"orifice\"\ndischarge_coefficient = «0.6", "needs a `diameter_m` or an `area_m2`"),
+        ("kind = \"leak\"\nleak_kg_d = «-0.1\npressure_drop_pa = 101325.0", "must lie in"),
+        (
+            "kind = \"leak\"\nleak_kg_d = 0.1\npressure_drop_pa = «101326.0",
+            "is more than the 101325 Pa before it",
+        ),
+        (
+            "kind = \"leak\"\nleak_kg_d = «1e-9\npressure_drop_pa = 1e5\ninlet_pressure_pa = 1e7",
+            "comes out as",
+        ),
+        (
+            "kind = \"check_valve\"\nresistance_pa_s2_kg2 = 1e4\nreverse_leak_kg_s = «0.0\nreverse_pressure_pa = 1e3",
+            "must lie in",
+        ),
+        (
+            "kind = \"check_valve\"\nresistance_pa_s2_kg2 = «0.0\nreverse_leak_kg_s = 1e-6\nreverse_pressure_pa = 1e3",
+            "must be above 0",
+        ),
+        (
+            "kind = \"relief_valve\"\ncrack_pa = 3e3\nreseat_pa = «3e3\nresistance_pa_s2_kg2 = 1e6",
+            "must lie below `crack_pa`",
+        ),
+        (
+            "kind = \"relief_valve\"\ncrack_pa = «0.0\nreseat_pa = 0.0\nresistance_pa_s2_kg2 = 1e6",
+            "must lie in",
+        ),
+        (
+            "kind = \"relief_valve\"\ncrack_pa = 3e3\nreseat_pa = 1e3\nresistance_pa_s2_kg2 = «0.0",
+            "must be above 0",
+        ),
+        (
+            "kind = \"pressure_regulator\"\ndischarge_coefficient = 0.8\narea_m2 = 1e-4\nset_point_pa = 1e5\n\
+             band_pa = «0.0\nlag_s = 1.0",
+            "must lie in",
+        ),
+        (
+            "kind = \"pressure_regulator\"\ndischarge_coefficient = 0.8\narea_m2 = 1e-4\nset_point_pa = 1e5\n\
+             band_pa = 500.0\nlag_s = «0.0",
+            "must lie in",
+        ),
+        ("kind = \"hatch\"\nloss_coefficient = 2.7\narea_m2 = 1.0\nleakage_opening = «0.0", "must lie in"),
+        ("kind = \"hatch\"\nloss_coefficient = «0.0\narea_m2 = 1.0", "must be above 0"),
+        ("kind = \"hatch\"\nloss_coefficient = 2.7\narea_m2 = 1.0\nopening = «2.0", "must lie in"),
+    ] {
+        spoil_opening(element, reason);
+    }
+}
+
+#[test]
+fn lines_that_respond_where_they_cannot() {
+    let orifice = |id: &str| {
+        format!(
+            "[[line.element]]\nid = \"{id}\"\nkind = \"orifice\"\ndischarge_coefficient = 0.6\narea_m2 = 1e-6\n"
+        )
+    };
+    let one = format!("{OPENING}{}", orifice("one"));
+    assert!(parse(&one, "small.toml").is_ok());
+    let text = one.replace("adaptive", "relaxation");
+    assert!(
+        refused(&text).to_string().contains("which method relaxation does not take"),
+        "{}",
+        refused(&text)
+    );
+    let text = format!("{one}{}", orifice("two"));
+    let error = refused(&text).to_string();
+    assert!(error.starts_with("small.toml:22:6: has several elements that need"), "{error}");
+    let text = OPENING.replace("to = \"space\"", "to = \"space\"\ndensity = \"sometimes\"");
+    let error = refused(&format!("{text}{}", orifice("one"))).to_string();
+    assert!(error.contains("`sometimes` is not a density that exists"), "{error}");
+    let vacuum = OPENING.replace(
+        "from = \"cabin\"\nto = \"space\"",
+        "from = \"space\"\nto = \"cabin\"\ndensity = \"follows\"",
+    );
+    let error = refused(&format!("{vacuum}{}", orifice("one"))).to_string();
+    assert!(error.contains("`density` follows none"), "{error}");
+}
+
 #[test]
 fn other_schema_versions() {
     spoil("schema = 1", "schema = «2", "schema 2 is not known, this version reads schema 1");

@@ -47,6 +47,7 @@ impl Need {
             + size_of_val(network.lines)
             + size_of_val(network.segments)
             + size_of_val(network.active)
+            + size_of_val(network.responsive)
             + size_of_val(network.inputs)
             + size_of_val(network.schedules)
             + size_of_val(network.points)

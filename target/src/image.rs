@@ -5,7 +5,8 @@
 //! computed; a reader computes it anew, so that both are known to mean the same network.
 
 use eclss_core::{
-    Active, Fingerprint, Line, Method, Network, Node, Plan, Schedule, SchedulePoint, Segment, Settings,
+    Active, Fingerprint, Line, Method, Network, Node, Plan, Responsive, Schedule, SchedulePoint, Segment,
+    Settings,
 };
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -62,6 +63,7 @@ struct Written<'a> {
     lines: &'a [Line],
     segments: &'a [Segment],
     active: &'a [Active],
+    responsive: &'a [Responsive],
     inputs: &'a [f32],
     schedules: &'a [Schedule],
     points: &'a [SchedulePoint],
@@ -92,6 +94,7 @@ pub struct Image {
     lines: Vec<Line, NODES>,
     segments: Vec<Segment, SEGMENTS>,
     active: Vec<Active, SEGMENTS>,
+    responsive: Vec<Responsive, NODES>,
     inputs: Vec<f32, SEGMENTS>,
     schedules: Vec<Schedule, SCHEDULES>,
     points: Vec<SchedulePoint, SEGMENTS>,
@@ -127,6 +130,7 @@ pub fn write<'b>(
         lines: network.lines,
         segments: network.segments,
         active: network.active,
+        responsive: network.responsive,
         inputs: network.inputs,
         schedules: network.schedules,
         points: network.points,
@@ -187,6 +191,7 @@ impl Image {
             lines: &self.lines,
             segments: &self.segments,
             active: &self.active,
+            responsive: &self.responsive,
             inputs: &self.inputs,
             schedules: &self.schedules,
             points: &self.points,
@@ -261,6 +266,11 @@ mod tests {
             lines: &lines,
             segments: &[paper.segments[0]; SEGMENTS],
             active: &[Active { segment: u32::MAX, line: u32::MAX }; SEGMENTS],
+            responsive: &[Responsive {
+                line: u32::MAX,
+                first_memory: SEGMENTS as u32,
+                reference_density_kg_m3: f32::MAX,
+            }; NODES],
             inputs: &[f32::MAX; SEGMENTS],
             schedules: &[paper.schedules[0]; SCHEDULES],
             points: &[SchedulePoint { time_us: u64::MAX, value: f32::MAX }; SEGMENTS],

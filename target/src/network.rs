@@ -43,6 +43,7 @@ const _: () = {
         + size_of_val(network.lines)
         + size_of_val(network.segments)
         + size_of_val(network.active)
+        + size_of_val(network.responsive)
         + size_of_val(network.schedules)
         + size_of_val(network.points)
         + size_of::<u32>() * words;

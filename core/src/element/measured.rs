@@ -68,7 +68,7 @@ mod tests {
     fn the_flow_is_the_measured_one() {
         for flow in [-0.2f32, -0.01, 0.0, 0.0865, 0.2] {
             for drop_pa in [-1_000.0f32, 0.0, 100.0] {
-                let law = RIG.law(&Operating { inputs: &[flow], mass_flow_kg_s: 0.1, density_ratio: 1.0 });
+                let law = RIG.law(&Operating::plain(&[flow], 0.1));
                 let driven = (drop_pa + law.head) / law.linear;
                 assert!((driven - flow).abs() <= 1.1e-6, "{driven}");
             }

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     fn drop_pa(pipe: &ReferencePipe, w: f32) -> f32 {
-        let law = pipe.law(&Operating { inputs: &[], mass_flow_kg_s: w, density_ratio: 1.0 });
+        let law = pipe.law(&Operating::plain(&[], w));
         law.resistance * w * w.abs() + law.linear * w - law.head
     }
 
@@ -90,7 +90,7 @@ mod tests {
     fn the_touching_curve_has_the_slope_of_the_law() {
         let pipe = ReferencePipe { pressure_drop_pa: 40.0, mass_flow_kg_s: 0.05, exponent: 1.4 };
         for w in [0.001f32, 0.02, 0.3] {
-            let law = pipe.law(&Operating { inputs: &[], mass_flow_kg_s: w, density_ratio: 1.0 });
+            let law = pipe.law(&Operating::plain(&[], w));
             let slope = f64::from(2.0 * law.resistance * w + law.linear);
             let exact = 1.4 * 40.0 / 0.05 * (f64::from(w) / 0.05).powf(0.4);
             assert!((slope / exact - 1.0).abs() < 1e-5, "{w}: {slope} against {exact}");

@@ -21,9 +21,11 @@
 mod layout;
 mod line;
 mod node;
+mod respond;
 pub(crate) mod split;
 
 use super::common::{self, NodeState};
+use super::responsive;
 use crate::element::{Element, Law, Operating};
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -33,6 +35,7 @@ pub(crate) use layout::State;
 use layout::{LineLaw, LineState, NodeFigures, Special, Sum, Work};
 use line::{add, constant_sums, index_of, set_sums, special_flow, step_plain, step_special, sums_of};
 use node::{Range, Watch, move_node};
+pub(crate) use respond::whole_line;
 
 /// Safety factor of the operator; the proof holds up to 2(√2 − 1).
 const THETA: f32 = 0.8;
@@ -64,7 +67,8 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sizes_known<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let special = network.lines.iter().filter(|line| layout::is_special(network, line)).count();
-    layout::lengths(network.nodes.len(), network.lines.len(), special)
+    let (state, work) = layout::lengths(network.nodes.len(), network.lines.len(), special);
+    (state + network.memory_slots(), work)
 }
 
 /// Where a line stands among the special ones, as the work says.
@@ -89,6 +93,7 @@ pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Resul
             return Err(MethodError::TooMuchRemoved(index));
         }
     }
+    responsive::check(network, |_, _| false)?;
     Method::refuse_junctions(network)
 }
 
@@ -102,14 +107,15 @@ pub(crate) fn start<E: Element>(
 ) {
     state.fill(0.0);
     work.fill(0.0);
-    let state = State::of(network, state);
-    let work = Work::of(network, work);
-    for (node, figures) in network.nodes.iter().zip(work.nodes) {
+    let mut state = State::of(network, state);
+    let mut work = Work::of(network, work);
+    for (node, figures) in network.nodes.iter().zip(work.nodes.iter_mut()) {
         let (start, per_mass) = (node.start_gauge_pa, node.pressure_per_mass_pa_kg());
         *figures = [start, 0.0, 0.0, 0.0, start, per_mass, h * per_mass / THETA, 1.0];
     }
-    let mut specials = (0u32..).zip(work.specials);
-    for (((index, line), [flow, ..]), law) in (0u32..).zip(network.lines).zip(state.lines).zip(work.laws) {
+    let mut specials = (0u32..).zip(work.specials.iter_mut());
+    let rows = state.lines.iter_mut().zip(work.laws.iter_mut());
+    for ((index, line), ([flow, ..], law)) in (0u32..).zip(network.lines).zip(rows) {
         *flow = line.start_flow_kg_s;
         let smallest = math::larger(line.laminar_below_pa, SMALLEST_DRIVE_PA);
         let mut sums = [0.0; 5];
@@ -120,7 +126,7 @@ pub(crate) fn start<E: Element>(
             }
             if !segment.element.is_active() {
                 let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-                let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 });
+                let law = segment.element.law(&Operating::plain(inputs, 0.0));
                 add(&mut sums, &law, ratio);
             }
         });
@@ -135,6 +141,8 @@ pub(crate) fn start<E: Element>(
                 f32::from_bits(index),
                 inlet,
                 outlet,
+                responsive::of_line(network, line)
+                    .map_or(0.0, |entry| responsive::chord_factor(network, entry)),
                 forward,
                 forward_linear,
                 reverse,
@@ -148,6 +156,7 @@ pub(crate) fn start<E: Element>(
             ];
         }
     }
+    respond::respond(network, f32::INFINITY, inputs, &mut state, &mut work);
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
@@ -163,6 +172,9 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let mut state = State::of(network, state);
     let mut work = Work::of(network, work);
     ask_laws::<E, UNROLL>(network, inputs, state.lines, &mut work);
+    if !network.responsive.is_empty() {
+        respond::respond(network, h, inputs, &mut state, &mut work);
+    }
     let mut watch = Watch::NOTHING;
     step_lines(h, network.lines, &mut state, &mut work, &mut watch);
     let range = Range::of(network.reference_pa);
@@ -293,7 +305,7 @@ fn refresh<E: Element, const UNROLL: bool>(
 fn law_at<E: Element>(segment: &Segment<E>, inputs: &[f32], ratio: f32, w: f32) -> Law {
     let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
     let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
-    segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
+    segment.element.law(&Operating::plain(inputs, mass_flow_kg_s))
 }
 
 /// Ratio of the flow at a segment to the line's flow; 1 wherever the line drains nothing.

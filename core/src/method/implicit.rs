@@ -19,10 +19,13 @@ pub(crate) mod law;
 pub(crate) mod layout;
 mod line;
 mod matrix;
+mod respond;
 mod segment;
 
 use self::layout::{State, Work, at, continues, is_joined};
+use self::respond::Place as At;
 use self::segment::{Columns, Model};
+use super::responsive;
 use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -49,6 +52,7 @@ pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Resul
     }
     network.plan.check_elimination(network.nodes, network.lines).map_err(MethodError::Plan)?;
     network.plan.check_terms(network).map_err(MethodError::Plan)?;
+    responsive::check(network, |index, _| !continues(&network.plan, index))?;
     for line in network.lines {
         for (index, segment) in (line.first_segment..).zip(network.segments_of(line)) {
             let law = law::of(segment, network.inputs, 0.0);
@@ -156,6 +160,7 @@ pub(crate) fn start<E: Element>(
         law::set_laminar(line, &mut work);
     }
     law::join::<E, false>(network, tau, inputs, state.flow, &mut work);
+    respond::advance(network, f32::INFINITY, inputs, state.flow, state.memory, &work);
 }
 
 /// Inputs at the step's start, at the inner stage and at the step's end.
@@ -195,14 +200,32 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let (state, work) = (&mut state, &mut work);
     let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
     segment::differences(network, work.pressure, work.drop);
+    let responds = !network.responsive.is_empty();
+    if responds {
+        respond::advance(network, h, inputs.start, state.flow, state.memory, work);
+    }
+    // States the laws of responsive lines; nothing in a network without such lines.
+    macro_rules! respond {
+        ($inputs:expr, $place:expr) => {
+            if responds {
+                respond::state_laws(network, model.tau, $inputs, $place, state.flow, state.memory, work);
+            }
+        };
+    }
     let weights = if method == Method::TrBdf2 {
         law::update::<E, UNROLL, false>(network, model.tau, inputs.start, state.flow, work);
+        respond!(inputs.start, At::Start);
         model.rates(columns!(work, state.flow), [work.head, work.drop], work.momentum);
         law::update::<E, UNROLL, false>(network, model.tau, inputs.middle, state.flow, work);
+        respond!(inputs.middle, At::Start);
         known_at_start::<E, UNROLL>(network, state.flow, work);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, true, true>(model, state.flow, work);
+        respond!(inputs.middle, At::Iterate);
         solve::<E, UNROLL, false, true>(model, state.flow, work);
+        if responds {
+            respond::solve_more::<E, UNROLL, true>(model, inputs.middle, state.flow, state.memory, work);
+        }
 
         segment::carry_over(
             [work.inertia, work.drop, work.differ, work.q],
@@ -217,16 +240,25 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         }
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
+        respond!(inputs.end, At::NextStage);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
+        respond!(inputs.end, At::Iterate);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
+        if responds {
+            respond::solve_more::<E, UNROLL, false>(model, inputs.end, state.flow, state.memory, work);
+        }
         [MEAN, TAU]
     } else {
         work.known.fill(0.0);
         law::update::<E, UNROLL, false>(network, model.tau, inputs.end, state.flow, work);
+        respond!(inputs.end, At::Start);
         work.momentum.copy_from_slice(work.drop);
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, true, false>(model, state.flow, work);
+        if responds {
+            respond::solve_more::<E, UNROLL, false>(model, inputs.end, state.flow, state.memory, work);
+        }
         [0.0, 1.0]
     };
     let place = commit::<E, UNROLL>(network, h, weights, state, work);

@@ -6,6 +6,7 @@
 use super::adaptive;
 use super::common::{self, Common};
 use super::implicit::layout::{self, continues};
+use super::responsive::{self, Reach};
 use crate::element::{Element, Law, Operating};
 use crate::{Line, Method, Network, Segment, math};
 
@@ -120,8 +121,12 @@ impl<E: Element> Observer<'_, '_, E> {
         let own = if relaxes { description.flow_segment as usize } else { 0 };
         let from = self.node_gauge_pa(description.from as usize);
         let mut resistance = 0.0;
-        let mut ratio = common::flow_ratios(self.network, description, |_, segment, ratio| {
-            resistance += self.law(segment, w, ratio).resistance;
+        let gauge = |node| self.node_gauge_pa(node);
+        let entry = responsive::of_line(self.network, description);
+        let reach = entry.and_then(|entry| adaptive::whole_line(self.network, entry, self.inputs, gauge));
+        let reach = reach.as_ref().map(|(reach, _)| reach);
+        let mut ratio = common::flow_ratios(self.network, description, |place, segment, ratio| {
+            resistance += self.law(first + place, segment, w, ratio, reach).resistance;
         });
         let laminar = math::sqrt(description.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
         for (offset, segment) in segments.iter().enumerate().rev() {
@@ -133,7 +138,7 @@ impl<E: Element> Observer<'_, '_, E> {
                 continue;
             }
             each(index, flow, pressure);
-            let law = self.law(segment, w, ratio);
+            let law = self.law(index, segment, w, ratio, reach);
             let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
             pressure += loss - law.head;
         }
@@ -158,7 +163,7 @@ impl<E: Element> Observer<'_, '_, E> {
                 self.work.get(self.network.nodes.len() + start - 1).copied().unwrap_or(f32::NAN)
             };
             if joined > 0 {
-                self.read_joined(line, start..=index, w, before - behind, |segment, flow, above| {
+                self.read_joined(line, start..=index, w, [before, behind], |segment, flow, above| {
                     each(segment, flow, behind + above);
                 });
             }
@@ -167,17 +172,24 @@ impl<E: Element> Observer<'_, '_, E> {
     }
 
     /// Reads the segments of a reach ahead of its last: calls `each` with segment, its flow [kg/s] and the pressure at
-    /// its outlet over that behind the reach [Pa]. `drop` [Pa] is the pressure difference over the whole reach.
+    /// its outlet over that behind the reach [Pa]. `before` and `behind` are the gauge pressures at its ends [Pa].
     fn read_joined(
         &self,
         line: &Line,
         reach: core::ops::RangeInclusive<usize>,
         w: f32,
-        drop: f32,
+        [before, behind]: [f32; 2],
         mut each: impl FnMut(usize, f32, f32),
     ) {
         let last = *reach.end();
-        let laws = self.network.segments_of(line).iter().map(|segment| self.law(segment, w, 1.0).resistance);
+        let nodes = [line.from, line.to].map(|node| self.node_gauge_pa(node as usize));
+        let segments = *reach.start()..last + 1;
+        let responsive = responsive::of_line(self.network, line).and_then(|entry| {
+            Reach::new(self.network, entry, self.inputs, segments, [before, behind], nodes)
+        });
+        let responsive = responsive.as_ref();
+        let all = (line.first_segment as usize..).zip(self.network.segments_of(line));
+        let laws = all.map(|(index, segment)| self.law(index, segment, w, 1.0, responsive).resistance);
         let laminar = math::sqrt(line.laminar_below_pa / math::larger(laws.sum(), f32::MIN_POSITIVE));
         // Calls with every segment from the last on: its flow, loss over head [Pa] and inertance [1/m] as felt.
         let walk = |part: &mut dyn FnMut(usize, f32, f32, f32)| {
@@ -187,7 +199,7 @@ impl<E: Element> Observer<'_, '_, E> {
                 if index < last {
                     ratio *= 1.0 + segment.element.removal();
                 }
-                let law = self.law(segment, w, ratio);
+                let law = self.law(index, segment, w, ratio, responsive);
                 let flow = if w > 0.0 { ratio * w } else { w };
                 let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
                 part(index, flow, loss - law.head, ratio * segment.inertance_per_m);
@@ -195,7 +207,7 @@ impl<E: Element> Observer<'_, '_, E> {
         };
         let (mut losses, mut inertance) = (0.0, 0.0);
         walk(&mut |_, _, loss, own| (losses, inertance) = (losses + loss, inertance + own));
-        let rate = if inertance > 0.0 { (drop - losses) / inertance } else { 0.0 };
+        let rate = if inertance > 0.0 { (before - behind - losses) / inertance } else { 0.0 };
         let mut above = 0.0;
         walk(&mut |index, flow, loss, own| {
             if index < last {
@@ -205,11 +217,24 @@ impl<E: Element> Observer<'_, '_, E> {
         });
     }
 
-    /// Law of a segment at its part of the line's flow `w` [kg/s].
-    fn law(&self, segment: &Segment<E>, w: f32, ratio: f32) -> Law {
+    /// Law of a segment at its part of the line's flow `w` [kg/s]; in a reach of a responsive line that reach's.
+    fn law(
+        &self,
+        index: usize,
+        segment: &Segment<E>,
+        w: f32,
+        ratio: f32,
+        reach: Option<&Reach<'_, '_, E>>,
+    ) -> Law {
+        if let Some(reach) = reach.filter(|reach| reach.segments.contains(&index)) {
+            // Behind the memories stands the climate.
+            let behind = crate::climate::sizes(self.network).0;
+            let first = self.state.len().saturating_sub(behind + self.network.memory_slots());
+            return reach.law_of(index, w, self.state.get(first..).unwrap_or(&[]));
+        }
         let inputs = self.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
         let mass_flow_kg_s = if w > 0.0 { ratio * w } else { w };
-        segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
+        segment.element.law(&Operating::plain(inputs, mass_flow_kg_s))
     }
 
     /// A pair of sum and carry as one number.

@@ -48,6 +48,9 @@ pub(crate) fn check<E: Element>(
         return Err(MethodError::Step { longest_us });
     }
     Method::refuse_junctions(network)?;
+    if let Some(entry) = network.responsive.first() {
+        return Err(MethodError::Responsive(entry.line));
+    }
     for (index, line) in (0u32..).zip(network.lines) {
         let gauge = |node: u32| network.nodes.get(node as usize).map_or(0.0, |node| node.start_gauge_pa);
         if (gauge(line.from) - gauge(line.to)).abs() > LARGEST_DIFFERENCE_PA {
@@ -166,7 +169,7 @@ pub(crate) fn start<E: Element>(
 
 fn operating<'i, E: Element>(segment: &Segment<E>, inputs: &'i [f32], mass_flow_kg_s: f32) -> Operating<'i> {
     let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-    Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 }
+    Operating::plain(inputs, mass_flow_kg_s)
 }
 
 /// Advances by `h` [s]. `stabilised` switches the operator on. Returns the margin of this step and the first

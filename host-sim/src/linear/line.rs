@@ -58,7 +58,7 @@ impl<'n, E: Element> LineModel<'n, E> {
             // Nothing is drained from reversed flow.
             let factor = if w > 0.0 { ratio } else { 1.0 };
             let flow = factor * w;
-            let at = Operating { inputs, mass_flow_kg_s: flow as f32, density_ratio: 1.0 };
+            let at = Operating::plain(inputs, flow as f32);
             let law = segment.element.law(&at);
             let (resistance, linear) = (f64::from(law.resistance), f64::from(law.linear));
             head += f64::from(law.head);

@@ -58,7 +58,7 @@ fn line_phi(simulator: &Simulator<'_>, line: usize) -> f32 {
     let (mut folded, mut linear, mut ratio) = (0.0, 0.0, 1.0);
     for segment in network.segments_of(description).iter().skip(description.flow_segment as usize) {
         let inputs = simulator.inputs().get(segment.first_input as usize..).unwrap_or(&[]);
-        let law = segment.element.law(&Operating { inputs, mass_flow_kg_s: w, density_ratio: 1.0 });
+        let law = segment.element.law(&Operating::plain(inputs, w));
         folded += law.resistance * ratio * ratio;
         linear += law.linear * ratio;
         if w > 0.0 {

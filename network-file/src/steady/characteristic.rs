@@ -3,11 +3,15 @@
 //! `loss = R·w·max(|w|, w_lin) + L·w − head`, `w_lin = √(y_lin/R)`, w the flow at the line's flow segment. R, L and
 //! head are sums over the elements; an element ahead of a drain feels more flow than w, and less behind it.
 
-use eclss_core::element::{Element, Operating};
+use eclss_core::element::{Element, Law};
 use eclss_core::{Line, Network};
+
+use super::response::{self, Circumstances};
 
 /// Smallest flow at which a slope is taken [kg/s]: a line without laminar limit has none at rest.
 const SMALLEST_FLOW_KG_S: f64 = 1e-12;
+/// Smallest share of a pressure's change that a flow feels [1]: without one a node could be left without an equation.
+const LEAST_FEELING: f64 = 1e-9;
 
 /// A line's law at its present flow, and what it does to the mass that goes through.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,11 +28,38 @@ pub(super) struct Characteristic {
     pub(super) inlet: f64,
     /// Flow given to the outlet node per flow w [1].
     pub(super) outlet: f64,
+    /// How much of a change of the inlet's and of the outlet's pressure drives the flow [1]: 1 where the law does not
+    /// look at pressures itself, 0 for the outlet of a choked flow.
+    pub(super) feels: [f64; 2],
 }
 
 impl Characteristic {
     /// States the law of `line` around the flow `w` [kg/s] at its flow segment.
-    pub(super) fn at<E: Element>(network: &Network<'_, E>, inputs: &[f32], line: &Line, w: f64) -> Self {
+    pub(super) fn at<E: Element>(
+        network: &Network<'_, E>,
+        inputs: &[f32],
+        line: &Line,
+        w: f64,
+        circumstances: Option<&Circumstances<'_>>,
+    ) -> Self {
+        let laws = response::laws(network, inputs, line, w, circumstances);
+        let mut sums = Self::sum(network, line, w, &laws);
+        sums.feels = [1.0; 2];
+        if let Some(here) = circumstances {
+            for side in 0..2 {
+                let shift = response::shift_pa(here.nodes_pa[side]);
+                let mut there = *here;
+                there.nodes_pa[side] += shift;
+                let laws = response::laws(network, inputs, line, w, Some(&there));
+                let slope = (Self::sum(network, line, w, &laws).loss(w) - sums.loss(w)) / shift;
+                let feels = if side == 0 { 1.0 - slope } else { 1.0 + slope };
+                sums.feels[side] = feels.max(LEAST_FEELING);
+            }
+        }
+        sums
+    }
+
+    fn sum<E: Element>(network: &Network<'_, E>, line: &Line, w: f64, laws: &[Law]) -> Self {
         let segments = network.segments_of(line);
         let gain = |segment: &eclss_core::Segment<E>| {
             if w > 0.0 { 1.0 + f64::from(segment.element.removal()) } else { 1.0 }
@@ -36,10 +67,7 @@ impl Characteristic {
         let ahead = segments.get(..line.flow_segment as usize).unwrap_or(&[]);
         let mut ratio: f64 = ahead.iter().map(gain).product();
         let mut sums = Self { inlet: ratio, ..Self::default() };
-        for segment in segments {
-            let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-            let mass_flow_kg_s = (ratio * w) as f32;
-            let law = segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 });
+        for (segment, law) in segments.iter().zip(laws) {
             sums.quadratic += f64::from(law.resistance) * ratio * ratio;
             sums.linear += f64::from(law.linear) * ratio;
             sums.head += f64::from(law.head);

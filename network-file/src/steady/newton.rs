@@ -1,11 +1,13 @@
 //! The iteration of the steady state.
 
 use eclss_core::element::Element;
-use eclss_core::{Line, Network, Node, NodeKind, Plan};
+use eclss_core::{Line, Network, Node, NodeKind, Plan, Responsive};
 
 use super::characteristic::Characteristic;
 use super::elimination::Matrix;
 use super::island::Islands;
+use super::memory::Memories;
+use super::response::{self, Circumstances};
 use super::{Steady, SteadyError, capacity};
 use crate::plan::PlanTables;
 
@@ -45,6 +47,8 @@ struct Problem<'n, E> {
     capacity: Vec<f64>,
     /// Closed island of every node, `usize::MAX` for a node of one that is held.
     island: Vec<usize>,
+    /// What the elements with a memory stand at.
+    memory: Vec<f32>,
     /// Largest pressure difference that boundaries and heads can make [Pa].
     span_pa: f64,
     /// Flow that it would drive through each line, and through all lines of each node [kg/s].
@@ -58,32 +62,61 @@ pub(super) fn solve<E: Element>(
     inputs: &[f32],
     islands: &Islands,
 ) -> Result<Steady, SteadyError> {
-    let problem = Problem::new(network, inputs, islands);
-    let mut point = problem.start();
-    let mut iterations = 0;
-    // Rounding makes the residual jitter near the answer: three steps that gain nothing end the search.
-    let mut idle = 0;
-    let mut best = point.clone();
-    while iterations < MOST && idle < 3 && best.residual > EXACT {
-        iterations += 1;
-        point = problem.improve(&point);
-        if point.residual < 0.9 * best.residual {
-            idle = 0;
-        } else if best.residual < ENOUGH {
-            idle += 1;
-        }
-        if point.residual < best.residual {
-            best = point.clone();
+    let mut problem = Problem::new(network, inputs, islands);
+    let mut memories = Memories::new(network);
+    loop {
+        problem.memory.clone_from(&memories.values);
+        let (point, iterations) = problem.balance()?;
+        let at = |entry: &Responsive, line: &Line| {
+            let here = problem.circumstances(entry, line, &point.gauge);
+            let w = point.flow[entry.line as usize];
+            (w, response::ends(network, inputs, line, w, &here).0)
+        };
+        if memories.agree(network, inputs, at)? {
+            return problem.answer(point, iterations);
         }
     }
-    if best.residual > ENOUGH || best.residual.is_nan() {
-        let (line, imbalance_pa) = problem.worst_line(&best);
-        return Err(SteadyError::NotFound { line, imbalance_pa });
-    }
-    problem.answer(best, iterations)
 }
 
 impl<'n, E: Element> Problem<'n, E> {
+    /// Flows and pressures in balance, with all that switches as it stands, and the iterations it took.
+    fn balance(&self) -> Result<(Point, u32), SteadyError> {
+        let problem = self;
+        let mut point = problem.start();
+        let mut iterations = 0;
+        // Rounding makes the residual jitter near the answer: three steps that gain nothing end the search.
+        let mut idle = 0;
+        let mut best = point.clone();
+        while iterations < MOST && idle < 3 && best.residual > EXACT {
+            iterations += 1;
+            point = problem.improve(&point);
+            if point.residual < 0.9 * best.residual {
+                idle = 0;
+            } else if best.residual < ENOUGH {
+                idle += 1;
+            }
+            if point.residual < best.residual {
+                best = point.clone();
+            }
+        }
+        if best.residual > ENOUGH || best.residual.is_nan() {
+            let (line, imbalance_pa) = problem.worst_line(&best);
+            return Err(SteadyError::NotFound { line, imbalance_pa });
+        }
+        Ok((best, iterations))
+    }
+
+    fn circumstances<'c>(&'c self, entry: &'c Responsive, line: &Line, gauge: &[f64]) -> Circumstances<'c> {
+        let nodes = [line.from as usize, line.to as usize];
+        let reference = f64::from(self.network.reference_pa);
+        Circumstances {
+            entry,
+            nodes_pa: nodes.map(|node| f64::max(reference + gauge[node], 0.0)),
+            temperatures_k: nodes.map(|node| self.network.nodes[node].temperature_k),
+            memory: &self.memory,
+        }
+    }
+
     fn new(network: &'n Network<'n, E>, inputs: &'n [f32], islands: &'n Islands) -> Self {
         let mut nodes: Vec<Node> = network.nodes.to_vec();
         let mut island = vec![usize::MAX; nodes.len()];
@@ -95,8 +128,44 @@ impl<'n, E: Element> Problem<'n, E> {
         }
         let tables = PlanTables::new(&nodes, network.lines, network.segments);
         let capacity = network.nodes.iter().map(capacity).collect();
-        let (span_pa, line_kg_s, node_kg_s) = scales(network, inputs);
-        Self { network, inputs, islands, tables, capacity, island, span_pa, line_kg_s, node_kg_s }
+        let memory = vec![0.0; network.memory_slots()];
+        let mut problem = Self {
+            network,
+            inputs,
+            islands,
+            tables,
+            capacity,
+            island,
+            memory,
+            span_pa: 0.0,
+            line_kg_s: Vec::new(),
+            node_kg_s: Vec::new(),
+        };
+        problem.set_scales();
+        problem
+    }
+
+    /// Span of pressures, and the flows that it would drive: what imbalances are measured by.
+    fn set_scales(&mut self) {
+        let network = self.network;
+        let gauge: Vec<f64> = network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
+        let laws = self.laws(&gauge, &vec![1e-3; network.lines.len()]);
+        let (mut low, mut high) = (f64::MAX, f64::MIN);
+        for (node, &gauge) in network.nodes.iter().zip(&gauge) {
+            // A leak to a vacuum without any supply drives by what is in the cabins.
+            if node.kind == NodeKind::Boundary || !network.responsive.is_empty() {
+                low = low.min(gauge);
+                high = high.max(gauge);
+            }
+        }
+        let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
+        self.span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
+        self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head)).collect();
+        self.node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
+        for (line, flow) in network.lines.iter().zip(&self.line_kg_s) {
+            self.node_kg_s[line.from as usize] += flow;
+            self.node_kg_s[line.to as usize] += flow;
+        }
     }
 
     /// Start values: pressures as they are, flows as large as any pressure difference could make them, because
@@ -107,8 +176,15 @@ impl<'n, E: Element> Problem<'n, E> {
         self.at(gauge, self.line_kg_s.clone(), rate)
     }
 
-    fn law(&self, line: &Line, w: f64) -> Characteristic {
-        Characteristic::at(self.network, self.inputs, line, w)
+    /// Laws of all lines at their flows and at the pressures of their nodes.
+    fn laws(&self, gauge: &[f64], flow: &[f64]) -> Vec<Characteristic> {
+        let mut responsive = self.network.responsive.iter().peekable();
+        let law = |((index, line), &w): ((u32, &Line), &f64)| {
+            let entry = responsive.next_if(|entry| entry.line == index);
+            let here = entry.map(|entry| self.circumstances(entry, line, gauge));
+            Characteristic::at(self.network, self.inputs, line, w, here.as_ref())
+        };
+        (0u32..).zip(self.network.lines).zip(flow).map(law).collect()
     }
 
     fn drop_pa(line: &Line, gauge: &[f64]) -> f64 {
@@ -117,7 +193,7 @@ impl<'n, E: Element> Problem<'n, E> {
 
     /// Completes a point: laws at its flows, and how far it is from balance.
     fn at(&self, gauge: Vec<f64>, flow: Vec<f64>, rate: Vec<f64>) -> Point {
-        let laws: Vec<_> = self.network.lines.iter().zip(&flow).map(|(line, &w)| self.law(line, w)).collect();
+        let laws = self.laws(&gauge, &flow);
         let mut net = self.stored(&rate);
         let mut imbalance = 0.0f64;
         for ((line, law), &w) in self.network.lines.iter().zip(&laws).zip(&flow) {
@@ -177,10 +253,11 @@ impl<'n, E: Element> Problem<'n, E> {
             let drop = Self::drop_pa(line, &point.gauge);
             let b = 1.0 / law.slope(w.abs().max(law.driven(drop).abs()));
             let ahead = w + b * (drop - law.loss(w));
-            matrix.add(from_from, law.inlet * b);
-            matrix.add(from_to, -law.inlet * b);
-            matrix.add(to_from, -law.outlet * b);
-            matrix.add(to_to, law.outlet * b);
+            let [by_from, by_to] = law.feels.map(|feels| b * feels);
+            matrix.add(from_from, law.inlet * by_from);
+            matrix.add(from_to, -law.inlet * by_to);
+            matrix.add(to_from, -law.outlet * by_from);
+            matrix.add(to_to, law.outlet * by_to);
             if let Some(row) = row(line.from) {
                 known[row] -= law.inlet * ahead;
             }
@@ -188,10 +265,10 @@ impl<'n, E: Element> Problem<'n, E> {
                 known[row] += law.outlet * ahead;
             }
             if line.from == line.to && from_from != Plan::NOWHERE {
-                // A loop through one node feels no pressure of it.
-                matrix.add(from_from, -(law.inlet + law.outlet) * b);
+                // A loop through one node feels no pressure of it, unless its density does.
+                matrix.add(from_from, -(law.inlet * by_to + law.outlet * by_from));
             }
-            lines.push((b, ahead));
+            lines.push(([by_from, by_to], ahead));
         }
         matrix.factorise();
         matrix.solve(&mut known);
@@ -203,8 +280,10 @@ impl<'n, E: Element> Problem<'n, E> {
             let rate = rate.get(self.island[node as usize]).copied().unwrap_or(0.0);
             gauge[node as usize] += known[row] - rate * storing[row];
         }
-        let change = |line: &Line| Self::drop_pa(line, &gauge) - Self::drop_pa(line, &point.gauge);
-        let flow = self.network.lines.iter().zip(&lines).map(|(line, (b, ahead))| ahead + b * change(line));
+        let change = |node: u32| gauge[node as usize] - point.gauge[node as usize];
+        let flow = self.network.lines.iter().zip(&lines).map(|(line, ([by_from, by_to], ahead))| {
+            ahead + (by_from * change(line.from) - by_to * change(line.to))
+        });
         (gauge.clone(), flow.collect(), rate)
     }
 
@@ -214,7 +293,7 @@ impl<'n, E: Element> Problem<'n, E> {
     }
 
     /// Rates of the closed islands: what arrives at the node that stands for the level is stored there too.
-    fn rates(&self, point: &Point, lines: &[(f64, f64)], known: &[f64], storing: &[f64]) -> Vec<f64> {
+    fn rates(&self, point: &Point, lines: &[([f64; 2], f64)], known: &[f64], storing: &[f64]) -> Vec<f64> {
         let rate_of = |closed: &super::island::Closed| {
             if closed.drains.is_empty() {
                 return 0.0;
@@ -224,9 +303,12 @@ impl<'n, E: Element> Problem<'n, E> {
             let (mut net, mut cost) = (0.0, self.capacity_of(pinned));
             let moved =
                 |node: u32, list: &[f64]| list.get(self.tables.row_of[node as usize] as usize).copied();
-            for ((line, law), &(b, ahead)) in self.network.lines.iter().zip(&point.laws).zip(lines) {
+            for ((line, law), &([by_from, by_to], ahead)) in
+                self.network.lines.iter().zip(&point.laws).zip(lines)
+            {
                 let change = |list: &[f64]| {
-                    b * (moved(line.from, list).unwrap_or(0.0) - moved(line.to, list).unwrap_or(0.0))
+                    by_from * moved(line.from, list).unwrap_or(0.0)
+                        - by_to * moved(line.to, list).unwrap_or(0.0)
                 };
                 let gain = match (line.from == pinned, line.to == pinned) {
                     (true, true) => law.outlet - law.inlet,
@@ -278,26 +360,6 @@ impl<'n, E: Element> Problem<'n, E> {
         let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;
         Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations, residual })
     }
-}
-
-/// Span of pressures, and the flows that it would drive: what imbalances are measured by.
-fn scales<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> (f64, Vec<f64>, Vec<f64>) {
-    let laws: Vec<_> =
-        network.lines.iter().map(|line| Characteristic::at(network, inputs, line, 1e-3)).collect();
-    let (mut low, mut high) = (f64::MAX, f64::MIN);
-    for node in network.nodes.iter().filter(|node| node.kind == NodeKind::Boundary) {
-        low = low.min(f64::from(node.start_gauge_pa));
-        high = high.max(f64::from(node.start_gauge_pa));
-    }
-    let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
-    let span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
-    let line_kg_s: Vec<f64> = laws.iter().map(|law| law.driven(span_pa - law.head)).collect();
-    let mut node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
-    for (line, flow) in network.lines.iter().zip(&line_kg_s) {
-        node_kg_s[line.from as usize] += flow;
-        node_kg_s[line.to as usize] += flow;
-    }
-    (span_pa, line_kg_s, node_kg_s)
 }
 
 /// The larger of two sizes; NaN where one is.

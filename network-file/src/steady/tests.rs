@@ -1,9 +1,12 @@
 //! Networks whose steady state is known in closed form, and networks that have none.
 
-use eclss_core::element::{Fan, HeadCurve, HeatExchanger, Law, Operating, ParameterError, Pipe, Valve};
+use eclss_core::element::{
+    CheckValve, Fan, HeadCurve, HeatExchanger, Law, Operating, Orifice, ParameterError, Pipe,
+    PressureRegulator, ReliefValve, Valve,
+};
 use eclss_core::{
-    Active, Element, Fingerprint, InputSpec, Line, Network, NetworkError, Node, NodeKind, Plan, Segment,
-    StdElement, example,
+    Active, Element, Fingerprint, InputSpec, Line, Network, NetworkError, Node, NodeKind, Plan, Responsive,
+    Segment, StdElement, example,
 };
 
 use super::*;
@@ -14,6 +17,8 @@ struct Tables {
     lines: Vec<Line>,
     segments: Vec<Segment>,
     active: Vec<Active>,
+    responsive: Vec<Responsive>,
+    memory_slots: u32,
     inputs: Vec<f32>,
 }
 
@@ -24,11 +29,16 @@ impl Tables {
     }
 
     fn line(&mut self, from: u32, to: u32, elements: &[StdElement]) {
+        self.line_of_density(from, to, elements, 0.0);
+    }
+
+    fn line_of_density(&mut self, from: u32, to: u32, elements: &[StdElement], reference_density_kg_m3: f32) {
+        let responds = elements.iter().any(Element::responds) || reference_density_kg_m3 > 0.0;
         let line = self.lines.len() as u32;
         let first_segment = self.segments.len() as u32;
         for element in elements {
             let segment = self.segments.len() as u32;
-            if element.is_active() {
+            if element.is_active() && !responds {
                 self.active.push(Active { segment, line });
             }
             let first_input = self.inputs.len() as u32;
@@ -39,6 +49,11 @@ impl Tables {
                 outlet_volume_m3: 0.0,
                 first_input,
             });
+        }
+        if responds {
+            let first_memory = self.memory_slots;
+            self.responsive.push(Responsive { line, first_memory, reference_density_kg_m3 });
+            self.memory_slots += elements.iter().map(|element| element.memory() as u32).sum::<u32>();
         }
         self.lines.push(Line {
             from,
@@ -57,6 +72,7 @@ impl Tables {
             lines: &self.lines,
             segments: &self.segments,
             active: &self.active,
+            responsive: &self.responsive,
             inputs: &self.inputs,
             plan: Plan::EMPTY,
             ..example::paper_loop()
@@ -241,6 +257,7 @@ fn fans_without_a_loss_are_refused() {
         lines: &lines,
         segments: &segments,
         active: &active,
+        responsive: &[],
         inputs: &[],
         schedules: &[],
         points: &[],
@@ -273,4 +290,162 @@ fn a_balance_below_vacuum_is_refused() {
 fn too_few_inputs_are_refused() {
     let network = example::paper_loop();
     assert_eq!(steady(&network, &[1.0]), Err(SteadyError::Inputs { needed: 2, given: 1 }));
+}
+
+/// Gas of the tests' nodes, Rg·T [J/kg].
+fn gas() -> f64 {
+    f64::from(eclss_core::air::GAS_CONSTANT_J_KG_K) * f64::from(295.15f32)
+}
+
+/// Flow of an opening, as in the textbook.
+fn isentropic(area: f64, high: f64, low: f64) -> f64 {
+    let gamma = 1.4f64;
+    let r = (low / high).max((2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0)));
+    let fall = r.powf(2.0 / gamma) - r.powf((gamma + 1.0) / gamma);
+    area * high / gas().sqrt() * (2.0 * gamma / (gamma - 1.0) * fall).sqrt()
+}
+
+/// Zero of a falling function.
+fn zero(mut low: f64, mut high: f64, falling: impl Fn(f64) -> f64) -> f64 {
+    for _ in 0..200 {
+        let middle = f64::midpoint(low, high);
+        if falling(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    f64::midpoint(low, high)
+}
+
+fn orifice(effective_area_m2: f32) -> StdElement {
+    StdElement::Orifice(Orifice { effective_area_m2 })
+}
+
+const REFERENCE: f64 = 101_325.0;
+
+#[test]
+fn a_cabin_between_two_openings_stands_where_their_flows_agree() {
+    // Both choked, only the outlet, and neither.
+    for (supply, areas, sink) in [
+        (1e6, [1e-6, 1e-5], 0.0f64),
+        (1.2e5, [4e-6, 1e-6], 0.0),
+        (1.05e5, [1e-6, 1e-6], 1.0e5),
+        (4e6, [1e-7, 3e-6], 0.9e5),
+    ] {
+        let mut tables = Tables::default();
+        let high = tables.node(NodeKind::Boundary, (supply - REFERENCE) as f32);
+        let cabin = tables.node(CABIN, 0.0);
+        let low = tables.node(NodeKind::Boundary, (sink - REFERENCE) as f32);
+        tables.line(high, cabin, &[orifice(areas[0] as f32)]);
+        tables.line(cabin, low, &[orifice(areas[1] as f32)]);
+        let found = tables.steady().unwrap();
+        let exact = zero(sink, supply, |p| isentropic(areas[0], supply, p) - isentropic(areas[1], p, sink));
+        let pressure = found.gauge_pa[1] + REFERENCE;
+        assert!((pressure / exact - 1.0).abs() < 3e-6, "{pressure} against {exact}: {found:?}");
+        let flow = isentropic(areas[1], exact, sink);
+        for w in &found.flow_kg_s {
+            assert!((w / flow - 1.0).abs() < 3e-6, "{w} against {flow}");
+        }
+    }
+}
+
+#[test]
+fn an_opening_behind_a_duct_takes_what_the_duct_leaves() {
+    for (sink, ahead) in [(0.0, true), (0.0, false), (9e4, true), (9e4, false)] {
+        let mut tables = Tables::default();
+        let high = tables.node(NodeKind::Boundary, 0.0);
+        let low = tables.node(NodeKind::Boundary, (sink - REFERENCE) as f32);
+        let duct = pipe(1e9);
+        let elements = if ahead { [duct, orifice(2e-5)] } else { [orifice(2e-5), duct] };
+        tables.line(high, low, &elements);
+        let found = tables.steady().unwrap().flow_kg_s[0];
+        let area = f64::from(2e-5f32);
+        let exact = zero(0.0, 0.1, |w| {
+            let lost = f64::from(1e9f32) * w * w;
+            let (high, low) = if ahead { (REFERENCE - lost, sink) } else { (REFERENCE, sink + lost) };
+            if high > low { isentropic(area, high, low) - w } else { -w }
+        });
+        assert!((found / exact - 1.0).abs() < 1e-5, "{sink}, {ahead}: {found} against {exact}");
+    }
+}
+
+#[test]
+fn an_empty_cabin_is_what_a_leak_leaves() {
+    let mut tables = Tables::default();
+    let cabin = tables.node(CABIN, 0.0);
+    let space = tables.node(NodeKind::Boundary, -101_325.0);
+    tables.line(cabin, space, &[orifice(1e-8)]);
+    let found = tables.steady().unwrap();
+    assert!((found.gauge_pa[0] + REFERENCE).abs() < 0.1 && found.flow_kg_s[0].abs() < 1e-9, "{found:?}");
+}
+
+#[test]
+fn a_check_valve_at_rest_passes_or_leaks() {
+    let check = StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 4e3, reverse_pa_s_kg: 1e9 });
+    for (rise, exact) in [(250.0f32, (250.0f64 / 5e3).sqrt()), (-250.0, -250.0 / 1e9)] {
+        let mut tables = Tables::default();
+        let (one, other) = (tables.node(NodeKind::Boundary, rise), tables.node(NodeKind::Boundary, 0.0));
+        tables.line(one, other, &[pipe(1e3), check]);
+        let found = tables.steady().unwrap().flow_kg_s[0];
+        assert!((found / exact - 1.0).abs() < 1e-6, "{found} against {exact}");
+    }
+}
+
+#[test]
+fn a_regulator_rests_in_its_band() {
+    let regulator = PressureRegulator {
+        effective_area_m2: 1e-6,
+        set_point_pa: 101_000.0,
+        band_pa: 400.0,
+        lag_s: 1.0,
+        leakage_opening: 1e-3,
+    };
+    for supply in [3e5, 1e6, 2e7] {
+        let mut tables = Tables::default();
+        let bottle = tables.node(NodeKind::Boundary, supply as f32 - 101_325.0);
+        let cabin = tables.node(CABIN, 0.0);
+        let space = tables.node(NodeKind::Boundary, -101_325.0);
+        tables.line(bottle, cabin, &[StdElement::PressureRegulator(regulator)]);
+        tables.line(cabin, space, &[orifice(1e-6)]);
+        let found = tables.steady().unwrap();
+        let area = |p: f64| f64::from(1e-6f32) * ((101_000.0 - p) / 400.0).clamp(1e-3, 1.0);
+        let exact = zero(9e4, 101_100.0, |p| isentropic(area(p), supply, p) - isentropic(1e-6, p, 0.0));
+        let pressure = found.gauge_pa[1] + REFERENCE;
+        assert!((pressure - exact).abs() < 0.5, "{supply}: {pressure} against {exact}");
+    }
+}
+
+#[test]
+fn a_relief_valve_rests_open_or_never() {
+    let relief = |reseat_pa| {
+        let leakage_opening = 1e-3;
+        ReliefValve { crack_pa: 3_000.0, reseat_pa, resistance_pa_s2_kg2: 1e7, leakage_opening }
+    };
+    let rest = |reseat_pa| {
+        let mut tables = Tables::default();
+        let bottle = tables.node(NodeKind::Boundary, 1e6);
+        let cabin = tables.node(CABIN, 0.0);
+        let outside = tables.node(NodeKind::Boundary, 0.0);
+        tables.line(bottle, cabin, &[orifice(5e-6)]);
+        tables.line(cabin, outside, &[StdElement::ReliefValve(relief(reseat_pa))]);
+        tables.steady()
+    };
+    // Open it loses 1e7·(12.9 g/s)² = 1.7 kPa.
+    let flow = isentropic(f64::from(5e-6f32), 1e6 + REFERENCE, 1.05e5);
+    let found = rest(1_000.0).unwrap();
+    assert!((found.gauge_pa[1] / (1e7 * flow * flow) - 1.0).abs() < 1e-5, "{found:?}");
+    let refused = rest(2_500.0).unwrap_err();
+    assert_eq!(refused, SteadyError::Switching { segments: vec![1] });
+    let names =
+        crate::Names { segments: vec!["hole".to_owned(), "relief".to_owned()], ..crate::Names::default() };
+    let text = refused.text(&names);
+    assert!(text.contains("no steady state") && text.contains("`relief`"), "{text}");
+}
+
+#[test]
+fn a_fan_moves_volume_where_density_follows() {
+    let mut tables = Tables::default();
+    let cabin = tables.node(CABIN, -50_000.0);
+    let density = REFERENCE / gas();
+    tables.line_of_density(cabin, cabin, &[fan(100.0), pipe(3e3)], density as f32);
+    let found = tables.steady().unwrap().flow_kg_s[0];
+    let exact = (REFERENCE - 50_000.0) / REFERENCE * (100.0f64 / 4e3).sqrt();
+    assert!((found / exact - 1.0).abs() < 1e-6, "{found} against {exact}");
 }

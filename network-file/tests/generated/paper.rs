@@ -1,15 +1,18 @@
 // Generated from a network file; do not edit.
 
 #[allow(unused_imports)] // a network need not have every kind of element
-use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
+use ::eclss_core::element::{
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump, ReferencePipe,
+    ReliefValve, Valve,
+};
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
-    Sizes, StdElement,
+    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
+    Settings, Sizes, StdElement,
 };
 
 /// Name of the network.
@@ -34,7 +37,7 @@ pub const EULER: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
 pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 9, work: 24, inputs: 6, cursors: 1 };
+pub const ADAPTIVE: Sizes = Sizes { state: 9, work: 25, inputs: 6, cursors: 1 };
 
 /// Buffers that `implicit-euler` needs.
 pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 170, inputs: 6, cursors: 1 };
@@ -70,6 +73,9 @@ pub static ACTIVE: [Active; 2] = [
     Active { segment: 1, line: 0 },
     Active { segment: 5, line: 0 },
 ];
+
+/// Lines whose laws respond.
+pub static RESPONSIVE: [Responsive; 0] = [];
 
 /// Start values of the inputs.
 pub static INPUTS: [f32; 2] = [
@@ -151,6 +157,7 @@ impl ::eclss_core::Compiled for Configured {
         lines: &LINES,
         segments: &SEGMENTS,
         active: &ACTIVE,
+        responsive: &RESPONSIVE,
         inputs: &INPUTS,
         schedules: &SCHEDULES,
         points: &POINTS,

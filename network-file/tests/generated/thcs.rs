@@ -1,15 +1,18 @@
 // Generated from a network file; do not edit.
 
 #[allow(unused_imports)] // a network need not have every kind of element
-use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
+use ::eclss_core::element::{
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump, ReferencePipe,
+    ReliefValve, Valve,
+};
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
-    Sizes, StdElement,
+    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
+    Settings, Sizes, StdElement,
 };
 #[allow(unused_imports)] // nor everything that a climate may have
 use ::eclss_core::{
@@ -39,7 +42,7 @@ pub const EULER: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 
 pub const RELAXATION: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 424, inputs: 165, cursors: 4 };
+pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 430, inputs: 165, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
 pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 679, inputs: 165, cursors: 4 };
@@ -98,6 +101,9 @@ pub static ACTIVE: [Active; 6] = [
     Active { segment: 7, line: 4 },
     Active { segment: 8, line: 5 },
 ];
+
+/// Lines whose laws respond.
+pub static RESPONSIVE: [Responsive; 0] = [];
 
 /// Start values of the inputs.
 pub static INPUTS: [f32; 55] = [
@@ -382,6 +388,7 @@ impl ::eclss_core::Compiled for Configured {
         lines: &LINES,
         segments: &SEGMENTS,
         active: &ACTIVE,
+        responsive: &RESPONSIVE,
         inputs: &INPUTS,
         schedules: &SCHEDULES,
         points: &POINTS,

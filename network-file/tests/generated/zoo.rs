@@ -1,22 +1,25 @@
 // Generated from a network file; do not edit.
 
 #[allow(unused_imports)] // a network need not have every kind of element
-use ::eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Measured, Pipe, Pump, ReferencePipe, Valve};
+use ::eclss_core::element::{
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump, ReferencePipe,
+    ReliefValve, Valve,
+};
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
     Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
-    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Schedule, SchedulePoint, Segment, Settings,
-    Sizes, StdElement,
+    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
+    Settings, Sizes, StdElement,
 };
 
 /// Name of the network.
 pub const NAME: &str = "zoo";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0x3f1b4f3b947a5f58;
+pub const NETWORK_ID: u64 = 0x45eca4860de81828;
 
 /// Method of the file.
 pub const METHOD: Method = Method::Adaptive;
@@ -28,22 +31,22 @@ pub const STEP_US: u32 = 500;
 pub const UNTIL_US: u64 = 90000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
+pub const EULER: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors: 3 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 58, work: 84, inputs: 12, cursors: 2 };
+pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors: 3 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 34, work: 83, inputs: 12, cursors: 2 };
+pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 442, inputs: 15, cursors: 3 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 84, work: 286, inputs: 12, cursors: 2 };
+pub const TR_BDF2: Sizes = Sizes { state: 140, work: 442, inputs: 15, cursors: 3 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 34, work: 83, inputs: 12, cursors: 2 };
+pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
 
 /// Nodes.
 pub static NODES: [Node; 4] = [
@@ -54,15 +57,20 @@ pub static NODES: [Node; 4] = [
 ];
 
 /// Lines.
-pub static LINES: [Line; 4] = [
+pub static LINES: [Line; 9] = [
     Line { from: 0, to: 1, first_segment: 0, segments: 4, flow_segment: 2, laminar_below_pa: 0.01, start_flow_kg_s: -0.002 },
     Line { from: 1, to: 0, first_segment: 4, segments: 2, flow_segment: 1, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
     Line { from: 2, to: 0, first_segment: 6, segments: 2, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
     Line { from: 3, to: 1, first_segment: 8, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 0, to: 3, first_segment: 9, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 1, to: 3, first_segment: 10, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 2, to: 0, first_segment: 11, segments: 2, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 0, to: 1, first_segment: 13, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
+    Line { from: 0, to: 1, first_segment: 14, segments: 1, flow_segment: 0, laminar_below_pa: 0.001, start_flow_kg_s: 0.0 },
 ];
 
 /// Segments of all lines.
-pub static SEGMENTS: [Segment; 9] = [
+pub static SEGMENTS: [Segment; 15] = [
     Segment { element: StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 5556.456 }), inertance_per_m: 44.209705, outlet_volume_m3: 0.005654867, first_input: 0 },
     Segment { element: StdElement::Fan(Fan { curve: HeadCurve { shutoff_pa: 293.18933, linear_pa_s_kg: 29.418, quadratic_pa_s2_kg2: 7379.3496 } }), inertance_per_m: 30.0, outlet_volume_m3: 0.003, first_input: 0 },
     Segment { element: StdElement::HeatExchanger(HeatExchanger { resistance_pa_s2_kg2: 50168.945, liquid_fraction: 0.005, separator_efficiency: 0.9 }), inertance_per_m: 31.0, outlet_volume_m3: 0.002, first_input: 1 },
@@ -72,6 +80,12 @@ pub static SEGMENTS: [Segment; 9] = [
     Segment { element: StdElement::Valve(Valve { open_resistance_pa_s2_kg2: 10000000.0, exponent: 2.5, leakage_opening: 0.001 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 2 },
     Segment { element: StdElement::Pump(Pump { curve: HeadCurve { shutoff_pa: 50.0, linear_pa_s_kg: 4.0, quadratic_pa_s2_kg2: 1000000.0 } }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 3 },
     Segment { element: StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 83333330000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::Orifice(Orifice { effective_area_m2: 1.1003376e-8 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::ReliefValve(ReliefValve { crack_pa: 105000.0, reseat_pa: 103500.0, resistance_pa_s2_kg2: 400000000.0, leakage_opening: 0.005 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::PressureRegulator(PressureRegulator { effective_area_m2: 1.6e-5, set_point_pa: 101400.0, band_pa: 300.0, lag_s: 0.5, leakage_opening: 0.001 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 30000.0, reverse_pa_s_kg: 5000000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2: 451.5205, leakage_opening: 2e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
+    Segment { element: StdElement::Orifice(Orifice { effective_area_m2: 4.8694685e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 5 },
 ];
 
 /// Segments whose law changes.
@@ -83,22 +97,33 @@ pub static ACTIVE: [Active; 5] = [
     Active { segment: 7, line: 2 },
 ];
 
+/// Lines whose laws respond.
+pub static RESPONSIVE: [Responsive; 5] = [
+    Responsive { line: 4, first_memory: 0, reference_density_kg_m3: 0.0 },
+    Responsive { line: 5, first_memory: 0, reference_density_kg_m3: 0.0 },
+    Responsive { line: 6, first_memory: 1, reference_density_kg_m3: 0.0 },
+    Responsive { line: 7, first_memory: 2, reference_density_kg_m3: 1.195959 },
+    Responsive { line: 8, first_memory: 2, reference_density_kg_m3: 0.0 },
+];
+
 /// Start values of the inputs.
-pub static INPUTS: [f32; 4] = [
+pub static INPUTS: [f32; 5] = [
     1.0,
     1.0,
     0.25,
     0.5,
+    0.0,
 ];
 
 /// Schedules.
-pub static SCHEDULES: [Schedule; 2] = [
+pub static SCHEDULES: [Schedule; 3] = [
     Schedule { input: 1, first_point: 0, points: 3, interpolation: Interpolation::Hold },
     Schedule { input: 0, first_point: 3, points: 4, interpolation: Interpolation::Linear },
+    Schedule { input: 4, first_point: 7, points: 2, interpolation: Interpolation::Linear },
 ];
 
 /// Points of all schedules.
-pub static POINTS: [SchedulePoint; 7] = [
+pub static POINTS: [SchedulePoint; 9] = [
     SchedulePoint { time_us: 0, value: 1.0 },
     SchedulePoint { time_us: 3600000000, value: 0.25 },
     SchedulePoint { time_us: 3600500000, value: 0.5 },
@@ -106,6 +131,8 @@ pub static POINTS: [SchedulePoint; 7] = [
     SchedulePoint { time_us: 0, value: 1.0 },
     SchedulePoint { time_us: 10100000, value: 1.0 },
     SchedulePoint { time_us: 10100000, value: 0.6 },
+    SchedulePoint { time_us: 0, value: 0.0 },
+    SchedulePoint { time_us: 20000000, value: 1.0 },
 ];
 
 /// Ids of the nodes.
@@ -117,15 +144,20 @@ pub static NODE_NAMES: [&str; 4] = [
 ];
 
 /// Ids of the lines.
-pub static LINE_NAMES: [&str; 4] = [
+pub static LINE_NAMES: [&str; 9] = [
     "return",
     "hatch_line",
     "makeup",
     "leak",
+    "hull",
+    "overboard",
+    "bottle_line",
+    "door",
+    "equaliser",
 ];
 
 /// Ids of the elements, one per segment.
-pub static SEGMENT_NAMES: [&str; 9] = [
+pub static SEGMENT_NAMES: [&str; 15] = [
     "grille",
     "blower",
     "condenser",
@@ -135,19 +167,26 @@ pub static SEGMENT_NAMES: [&str; 9] = [
     "regulator",
     "booster",
     "crack",
+    "crack_in_hull",
+    "relief",
+    "keeper",
+    "check",
+    "porthole",
+    "bleed",
 ];
 
 /// Names of the inputs.
-pub static INPUT_NAMES: [&str; 4] = [
+pub static INPUT_NAMES: [&str; 5] = [
     "blower.speed",
     "hatch.opening",
     "regulator.opening",
     "booster.speed",
+    "porthole.opening",
 ];
 
-static PLAN_END_START: [u32; 5] = [0, 3, 6, 7, 8];
+static PLAN_END_START: [u32; 5] = [0, 7, 13, 15, 18];
 
-static PLAN_ENDS: [u32; 8] = [0, 3, 5, 1, 2, 7, 4, 6];
+static PLAN_ENDS: [u32; 18] = [0, 3, 5, 8, 13, 14, 16, 1, 2, 7, 10, 15, 17, 4, 12, 6, 9, 11];
 
 static PLAN_ORDER: [u32; 2] = [0, 1];
 
@@ -159,15 +198,15 @@ static PLAN_DIAGONAL: [u32; 2] = [0, 3];
 
 static PLAN_ROW_OF: [u32; 4] = [0, 1, 4294967295, 4294967295];
 
-static PLAN_COMPOSITE: [u32; 3] = [0, 1, 2];
+static PLAN_COMPOSITE: [u32; 4] = [0, 1, 2, 6];
 
-static PLAN_STAMPS: [[u32; 4]; 4] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3]];
+static PLAN_STAMPS: [[u32; 4]; 9] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3], [0, 4294967295, 4294967295, 4294967295], [3, 4294967295, 4294967295, 4294967295], [4294967295, 4294967295, 4294967295, 0], [0, 1, 2, 3], [0, 1, 2, 3]];
 
 static PLAN_LEAVES: [[u32; 2]; 0] = [];
 
-static PLAN_TERMS: [[u32; 3]; 8] = [[18, 4, 1], [25, 4, 1], [29, 2, 4294967295], [21, 4, 0], [22, 4, 0], [17, 3, 4294967295], [26, 4, 0], [16, 4, 1]];
+static PLAN_TERMS: [[u32; 3]; 18] = [[30, 4, 1], [37, 4, 1], [41, 2, 4294967295], [18, 3, 4294967295], [45, 2, 4294967295], [26, 4, 1], [28, 4, 1], [33, 4, 0], [34, 4, 0], [17, 3, 4294967295], [20, 3, 4294967295], [27, 4, 0], [29, 4, 0], [38, 4, 0], [42, 4, 0], [16, 4, 1], [19, 4, 0], [21, 4, 1]];
 
-static PLAN_BETWEEN: [[u32; 2]; 9] = [[0, 4], [4, 5], [5, 6], [6, 1], [4294967295, 4294967295], [1, 0], [4294967295, 4294967295], [2, 0], [3, 1]];
+static PLAN_BETWEEN: [[u32; 2]; 15] = [[0, 4], [4, 5], [5, 6], [6, 1], [4294967295, 4294967295], [1, 0], [4294967295, 4294967295], [2, 0], [3, 1], [0, 3], [1, 3], [4294967295, 4294967295], [2, 0], [0, 1], [0, 1]];
 
 /// The description with the method and step of the file, for a step specialised at compile time.
 #[derive(Debug, Clone, Copy)]
@@ -181,6 +220,7 @@ impl ::eclss_core::Compiled for Configured {
         lines: &LINES,
         segments: &SEGMENTS,
         active: &ACTIVE,
+        responsive: &RESPONSIVE,
         inputs: &INPUTS,
         schedules: &SCHEDULES,
         points: &POINTS,

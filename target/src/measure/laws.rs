@@ -56,7 +56,7 @@ pub(super) fn measure() {
         let mut figure = Figure::EMPTY;
         for inputs in INPUTS {
             for mass_flow_kg_s in FLOWS {
-                let operating = Operating { inputs: &[inputs], mass_flow_kg_s, density_ratio: 1.0 };
+                let operating = Operating::plain(&[inputs], mass_flow_kg_s);
                 let (element, operating) = (black_box(&element), black_box(&operating));
                 let mut law = None;
                 let count = counted(&mut || law = Some(evaluate(element, operating)));

@@ -34,7 +34,7 @@ impl Explicit {
             let (mut resistance, mut head) = (0.0, 0.0);
             for segment in network.segments_of(line) {
                 let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-                let at = eclss_core::Operating { inputs, mass_flow_kg_s: 0.0, density_ratio: 1.0 };
+                let at = eclss_core::Operating::plain(inputs, 0.0);
                 let law = segment.element.law(&at);
                 resistance += f64::from(law.resistance);
                 head += f64::from(law.head);

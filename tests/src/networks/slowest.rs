@@ -34,7 +34,7 @@ impl Loss {
         let mut loss = Self { quadratic: 0.0, linear: 0.0, laminar: 0.0, head: 0.0 };
         for segment in network.segments_of(line) {
             let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-            let at = eclss_core::Operating { inputs, mass_flow_kg_s: w as f32, density_ratio: 1.0 };
+            let at = eclss_core::Operating::plain(inputs, w as f32);
             let law = segment.element.law(&at);
             loss.quadratic += f64::from(law.resistance);
             loss.linear += f64::from(law.linear);

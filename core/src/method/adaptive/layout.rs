@@ -1,12 +1,13 @@
 //! Where `adaptive` keeps its numbers: rows by purpose, so that a pass over many lines or nodes reads only what
 //! it needs.
 //!
-//! State: nodes, lines, what special lines drained. Work: nodes, their constants, what arrives at them, laws of
+//! State: nodes, lines, what special lines drained, memory. Work: nodes, their constants, what arrives at them, laws of
 //! lines, special lines. A line is **special** when its law may change or it drains anything; all others are a
 //! constant quadratic resistance with a head. Few lines are special in a large network, and only they pay for it.
 
 use crate::element::Element;
 use crate::method::common::{Cut, NodeState};
+use crate::method::responsive;
 use crate::{Line, Network};
 
 /// State of a line: flow [kg/s]; what it gave to its outlet node since the start and what that sum lost [kg].
@@ -31,8 +32,8 @@ pub(crate) type LineLaw = [f32; 3];
 pub(crate) type Sums = [f32; 5];
 
 /// A special line: its index, as bits; ratio of its inlet and of its outlet flow to the line's flow, when forward;
-/// the part of its sums that never changes; all of its sums.
-pub(crate) type Special = [f32; 13];
+/// for a line that responds what κ of its law exceeds that of a root law by, else 0; the part of its sums that never changes; all of its sums.
+pub(crate) type Special = [f32; 14];
 
 const SPECIAL: usize = size_of::<Special>() / size_of::<f32>();
 
@@ -49,6 +50,7 @@ pub(super) fn is_special<E: Element>(network: &Network<'_, E>, line: &Line) -> b
         .segments_of(line)
         .iter()
         .any(|segment| segment.element.is_active() || segment.element.removal() > 0.0)
+        || responsive::of_line(network, line).is_some()
 }
 
 /// The state, cut into its parts.
@@ -57,15 +59,18 @@ pub(crate) struct State<'s> {
     pub(crate) lines: &'s mut [LineState],
     /// What every special line drained since the start.
     pub(crate) drained: &'s mut [Sum],
+    /// What elements remember.
+    pub(crate) memory: &'s mut [f32],
 }
 
 impl<'s> State<'s> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "lengths that the compiler knows stay known")]
-    pub(super) fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
+    pub(super) fn of<E: Element>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
+        let (buffer, memory) = buffer.split_at_mut(buffer.len().saturating_sub(network.memory_slots()));
         let cut = &mut Cut(buffer);
         let (nodes, lines) = (cut.take_rows(network.nodes.len()), cut.take_rows(network.lines.len()));
-        Self { nodes, lines, drained: cut.rest() }
+        Self { nodes, lines, drained: cut.rest(), memory }
     }
 
     /// First value of a line's state.

@@ -53,8 +53,11 @@ pub(super) fn step_special(
     state: &mut LineState,
     drained: &mut Sum,
 ) -> [Transfer; 2] {
-    let &[_, inlet, outlet, ..] = special;
-    let (w, conductance) = special_flow(difference_pa, &sums_of(special), smallest_pa);
+    let &[_, inlet, outlet, chord, ..] = special;
+    let (w, mut conductance) = special_flow(difference_pa, &sums_of(special), smallest_pa);
+    if chord > 0.0 {
+        conductance = widest(difference_pa, &sums_of(special), smallest_pa, chord);
+    }
     let [inlet, outlet] = if w > 0.0 { [inlet, outlet] } else { [1.0, 1.0] };
     let passed = h * w;
     let (taken, given) = (inlet * passed, outlet * passed);
@@ -63,6 +66,19 @@ pub(super) fn step_special(
     math::compensated_add(given_sum, given_carry, given);
     math::compensated_add(drained_sum, drained_carry, taken - given);
     [[-taken, inlet * conductance], [given, outlet * conductance]]
+}
+
+/// The conductance that bounds every chord of a responsive line's law [kg/(s·Pa)]: the larger of both directions,
+/// times what its κ exceeds that of a root law by.
+#[cold]
+#[inline(never)]
+fn widest(difference_pa: f32, sums: &Sums, smallest_pa: f32, chord: f32) -> f32 {
+    let &[forward, forward_linear, reverse, reverse_linear, head] = sums;
+    let drive = math::larger((difference_pa + head).abs(), smallest_pa);
+    let of = |quadratic: f32, linear: f32| {
+        2.0 / (linear + math::sqrt(linear * linear + 4.0 * (quadratic * drive)))
+    };
+    chord * math::larger(of(forward, forward_linear), of(reverse, reverse_linear))
 }
 
 /// Index of a special line.
@@ -78,7 +94,7 @@ pub(super) fn sums_of(special: &Special) -> Sums {
 
 /// The part of a special line's sums that never changes.
 pub(super) fn constant_sums(special: &Special) -> Sums {
-    let &[_, _, _, forward, forward_linear, reverse, reverse_linear, head, ..] = special;
+    let &[_, _, _, _, forward, forward_linear, reverse, reverse_linear, head, ..] = special;
     [forward, forward_linear, reverse, reverse_linear, head]
 }
 

@@ -10,6 +10,7 @@
 use super::layout::{LineLaw, LineState, NodeConstants, NodeFigures, Special, State, Sum, Work};
 use super::line::{Transfer, index_of, step_plain, step_special};
 use super::node::{Range, Watch, move_node};
+use super::respond::respond;
 use super::{ask_laws, outside};
 use crate::element::Element;
 use crate::method::common::NodeState;
@@ -107,12 +108,13 @@ pub(crate) fn step<E: Element>(
     buffers: &mut SplitBuffers<'_>,
     join: &impl Join,
 ) -> (Margin, Option<Place>) {
-    let state = State::of(network, state);
+    let mut state = State::of(network, state);
     let mut work = Work::of(network, work);
-    if !network.active.is_empty() {
-        for active in network.active {
-            // A law may ask for the pressure difference of its line.
-            for node in network.lines.get(active.line as usize).map_or([0; 2], |line| [line.from, line.to]) {
+    if !(network.active.is_empty() && network.responsive.is_empty()) {
+        let active = network.active.iter().map(|active| active.line);
+        for line in active.chain(network.responsive.iter().map(|entry| entry.line)) {
+            // A law may ask for the pressures of its line.
+            for node in network.lines.get(line as usize).map_or([0; 2], |line| [line.from, line.to]) {
                 let node = node as usize;
                 if let (Some([gauge, ..]), Some(pressure)) =
                     (work.nodes.get_mut(node), buffers.pressures.get(node))
@@ -122,6 +124,7 @@ pub(crate) fn step<E: Element>(
             }
         }
         ask_laws::<E, false>(network, inputs, state.lines, &mut work);
+        respond(network, h, inputs, &mut state, &mut work);
     }
     let lines = Lines {
         first: 0,

@@ -12,7 +12,7 @@ use crate::{Line, Network, Segment, math};
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn of<E: Element>(segment: &Segment<E>, inputs: &[f32], mass_flow_kg_s: f32) -> Law {
     let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-    segment.element.law(&Operating { inputs, mass_flow_kg_s, density_ratio: 1.0 })
+    segment.element.law(&Operating::plain(inputs, mass_flow_kg_s))
 }
 
 /// Evaluates the laws that may have changed at the stage's inputs. `MOVED` flows have the increments of the first

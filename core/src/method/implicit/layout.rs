@@ -24,7 +24,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let (rows, entries) = (network.plan.order.len(), network.plan.columns.len());
     let of_segments = (11 + 3 + 6) * segments;
     (
-        Common::length(network) + 2 * nodes + 4 * segments,
+        Common::length(network) + 2 * nodes + 4 * segments + network.memory_slots(),
         2 * (nodes + segments)
             + 4 * nodes
             + 2 * (nodes + 1)
@@ -53,18 +53,29 @@ pub(crate) struct State<'s> {
     /// Mass in the volume behind every segment as deviation from the start, and its carry [kg].
     pub(crate) mass: &'s mut [f32],
     pub(crate) mass_carry: &'s mut [f32],
+    /// What elements remember.
+    pub(crate) memory: &'s mut [f32],
 }
 
 impl<'s> State<'s> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn of<E>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
+    pub(crate) fn of<E: Element>(network: &Network<'_, E>, buffer: &'s mut [f32]) -> Self {
         let (nodes, segments) = (network.nodes.len(), network.segments.len());
         let cut = &mut Cut(buffer);
         let common = Common::cut(network, cut);
         let junctions = cut.take_rows(nodes);
         let (flow, flow_carry) = (cut.take(segments), cut.take(segments));
-        Self { common, junctions, flow, flow_carry, mass: cut.take(segments), mass_carry: cut.take(segments) }
+        let (mass, mass_carry) = (cut.take(segments), cut.take(segments));
+        Self {
+            common,
+            junctions,
+            flow,
+            flow_carry,
+            mass,
+            mass_carry,
+            memory: cut.take(network.memory_slots()),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use super::law;
 use super::layout::{self, Port, at};
 use super::{CARRY_OVER, EXPECTED_DRIVE_PA};
 use crate::element::Element;
+use crate::method::responsive;
 use crate::{Network, math};
 
 /// A loop that is written out for a description known to the compiler, which then sees every turn by itself, and left
@@ -116,7 +117,7 @@ pub(crate) fn needs_guard(active: bool, inertia: f32, quadratic: f32) -> bool {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn known<E: Element, const UNROLL: bool>(network: &Network<'_, E>, tau: f32, index: usize) -> Known {
-    if !UNROLL || layout::is_joined(&network.plan, index) {
+    if !UNROLL || layout::is_joined(&network.plan, index) || responsive::has_segment(network, index) {
         return UNKNOWN;
     }
     let turbulent = network.lines.iter().all(|line| line.laminar_below_pa <= 0.0);

@@ -1,0 +1,90 @@
+//! Orifice: leak or opening through which air flows as fast as its pressures make it, choked to a vacuum.
+//!
+//! Law and source in [`super::isentropic`]: R = y/w² at the pressures of the step's start.
+
+use super::{Element, InputSpec, Law, Operating, ParameterError, Reason, isentropic};
+use crate::Fingerprint;
+
+/// Smallest effective area [m²]: below, squares leave single precision.
+pub(super) const SMALLEST_AREA_M2: f32 = 1e-12;
+
+/// Fixed data of one orifice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Orifice {
+    /// Effective area `C_d·A` [m²]; 1e-12 … 1e4.
+    pub effective_area_m2: f32,
+}
+
+/// Refuses an effective area outside its range.
+pub(super) fn check_area(area_m2: f32) -> Result<(), ParameterError> {
+    ParameterError::unless_positive("effective_area_m2", area_m2)?;
+    if (SMALLEST_AREA_M2..=1e4).contains(&area_m2) {
+        Ok(())
+    } else {
+        Err(ParameterError { parameter: "effective_area_m2", reason: Reason::OutsideValidity })
+    }
+}
+
+impl Element for Orifice {
+    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
+        None
+    }
+
+    #[inline]
+    fn is_active(&self) -> bool {
+        true
+    }
+
+    fn responds(&self) -> bool {
+        true
+    }
+
+    fn needs_both_ends(&self) -> bool {
+        true
+    }
+
+    fn chord_over_secant(&self) -> f32 {
+        isentropic::CHORD_OVER_SECANT
+    }
+
+    #[inline]
+    fn law(&self, at: &Operating<'_>) -> Law {
+        Law::quadratic(isentropic::resistance_pa_s2_kg2(
+            self.effective_area_m2,
+            at.inlet_pa,
+            at.outlet_pa,
+            at.temperature_k,
+        ))
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        check_area(self.effective_area_m2)
+    }
+
+    fn feed(&self, hash: &mut Fingerprint) {
+        hash.word(8);
+        hash.value(self.effective_area_m2);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twice_the_area_carries_twice_the_flow() {
+        let at = Operating { inlet_pa: 1e5, outlet_pa: 2e4, ..Operating::plain(&[], 0.0) };
+        let flow = |effective_area_m2| (8e4 / Orifice { effective_area_m2 }.law(&at).resistance).sqrt();
+        assert!((flow(2e-6) / flow(1e-6) - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn areas_without_a_square_are_refused() {
+        for effective_area_m2 in [0.0, -1e-6, 1e-13, 2e4, f32::NAN, f32::INFINITY] {
+            assert!(Orifice { effective_area_m2 }.check().is_err(), "{effective_area_m2}");
+        }
+        assert!(Orifice { effective_area_m2: 1.1e-8 }.check().is_ok());
+    }
+}

@@ -1,0 +1,144 @@
+//! Laws of lines that respond to pressures, direction, memory or density: stated anew before every solve.
+//!
+//! A network with such lines takes [`MORE`] solves a stage more: where a check valve turns or a flow chokes the first
+//! solution still has the law of the other side. A law that changes while the stage is solved leaves its resistance
+//! frozen in each solve; the fixed point of the iteration is that of the law itself.
+
+use super::layout::{Work, at, continues};
+use super::{Model, law, range, solve};
+use crate::element::Element;
+use crate::method::responsive::Reach;
+use crate::{Line, Network, Plan, Responsive};
+
+/// Solves a stage on top of those of any network.
+const MORE: u32 = 2;
+
+/// Where laws are stated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// At the step's start, for its first stage.
+    Start,
+    /// Where the first stage ended, for the second.
+    NextStage,
+    /// Where the last solve of a stage went to; heads stand for the whole stage.
+    Iterate,
+}
+
+/// Advances the memories by `step_s` [s], at the pressures and flows of the step's start.
+#[inline(never)]
+pub(super) fn advance<E: Element>(
+    network: &Network<'_, E>,
+    step_s: f32,
+    inputs: &[f32],
+    flow: &[f32],
+    memory: &mut [f32],
+    work: &Work<'_>,
+) {
+    for entry in network.responsive {
+        let Some(line) = network.lines.get(entry.line as usize) else { continue };
+        reaches(
+            network,
+            entry,
+            line,
+            inputs,
+            |point| at(work.pressure, point),
+            |last, _, reach| {
+                reach.advance(at(flow, last as u32), step_s, memory);
+            },
+        );
+    }
+}
+
+/// States the laws at `place`.
+#[inline(never)]
+pub(super) fn state_laws<E: Element>(
+    network: &Network<'_, E>,
+    tau: f32,
+    inputs: &[f32],
+    place: Place,
+    flow: &[f32],
+    memory: &[f32],
+    work: &mut Work<'_>,
+) {
+    let solved = place != Place::Start;
+    for entry in network.responsive {
+        let Some(line) = network.lines.get(entry.line as usize) else { continue };
+        // Nothing below moves pressures, flows or increments.
+        let (pressure, delta, differ) = (&*work.pressure, &*work.delta, &*work.differ);
+        let q = &*work.q;
+        let (ports, laws) = (&*work.ports, &mut *work.law);
+        let (quadratic, linear, head) = (&mut *work.quadratic, &mut *work.linear, &mut *work.head);
+        let (inertia, guarded) = (&mut *work.inertia, &mut *work.guarded);
+        let gauge = |point| at(pressure, point) + if solved { at(delta, point) } else { 0.0 };
+        reaches(network, entry, line, inputs, gauge, |last, ends, reach| {
+            let b = ports.get(last).map_or(0.0, |port| port[0]);
+            let step = at(q, last as u32) + b * at(differ, last as u32);
+            let w = at(flow, last as u32) + if solved { step } else { 0.0 };
+            let forward = if w == 0.0 { ends[0] >= ends[1] } else { w > 0.0 };
+            let (mut sums, mut inert) = ([0.0f32; 3], 0.0);
+            reach.laws(w, memory, |index, ratio, [ahead, back]| {
+                let (own, ratio) = if forward { (ahead, ratio) } else { (back, 1.0) };
+                sums[0] += own.resistance * (ratio * ratio);
+                sums[1] += own.linear * ratio;
+                sums[2] += own.head;
+                inert += ratio * network.segments.get(index).map_or(0.0, |s| s.inertance_per_m / tau);
+                if let Some(law) = laws.get_mut(index) {
+                    *law = [own.resistance, own.linear, own.head];
+                }
+            });
+            for (column, value) in [
+                (&mut *quadratic, sums[0]),
+                (&mut *linear, sums[1]),
+                (&mut *inertia, inert),
+                (&mut *guarded, 1.0),
+            ] {
+                if let Some(slot) = column.get_mut(last) {
+                    *slot = value;
+                }
+            }
+            if let Some(slot) = head.get_mut(last).filter(|_| place != Place::Iterate) {
+                *slot = sums[2];
+            }
+        });
+        law::set_laminar(line, work);
+    }
+}
+
+/// Solves a stage again with laws stated where the last solve went to.
+#[inline(never)]
+pub(super) fn solve_more<E: Element, const UNROLL: bool, const CARRY: bool>(
+    model: &Model<'_, '_, E, UNROLL>,
+    inputs: &[f32],
+    flow: &[f32],
+    memory: &[f32],
+    work: &mut Work<'_>,
+) {
+    for _ in 0..MORE {
+        state_laws(model.network, model.tau, inputs, Place::Iterate, flow, memory, work);
+        solve::<E, UNROLL, false, CARRY>(model, flow, work);
+    }
+}
+
+/// Calls `each` with the last segment of every reach of a line, the gauge pressures at its ends, and itself; `gauge_pa` gives the pressure of a point.
+fn reaches<'a, 'n, E: Element>(
+    network: &'a Network<'n, E>,
+    entry: &Responsive,
+    line: &Line,
+    inputs: &'a [f32],
+    gauge_pa: impl Fn(u32) -> f32,
+    mut each: impl FnMut(usize, [f32; 2], &Reach<'a, 'n, E>),
+) {
+    let nodes = [line.from, line.to].map(&gauge_pa);
+    let mut first = line.first_segment as usize;
+    for last in range(line) {
+        if continues(&network.plan, last) {
+            continue;
+        }
+        let points = network.plan.between.get(last).copied().unwrap_or([Plan::NOWHERE; 2]);
+        let ends = points.map(&gauge_pa);
+        if let Some(reach) = Reach::new(network, entry, inputs, first..last + 1, ends, nodes) {
+            each(last, ends, &reach);
+        }
+        first = last + 1;
+    }
+}
