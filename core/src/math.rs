@@ -29,6 +29,44 @@ pub fn exact_add(sum: &mut f32, lost: &mut f32, increment: f32) {
     *sum = t;
 }
 
+/// [`exact_add`] for a whole row; written by operation, so that a processor with vectors takes a few at a time.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+pub fn exact_add_row<const N: usize>(sum: &mut [f32; N], lost: &mut [f32; N], increment: &[f32; N]) {
+    let (s, l, y) = (*sum, *lost, *increment);
+    let t = each(&s, &y, |s, y| s + y);
+    let b = each(&t, &s, |t, s| t - s);
+    let of_sum = each(&s, &each(&t, &b, |t, b| t - b), |s, a| s - a);
+    let of_increment = each(&y, &b, |y, b| y - b);
+    let error = each(&of_sum, &of_increment, |a, b| a + b);
+    *lost = each(&l, &error, |l, error| l - error);
+    *sum = t;
+}
+
+/// [`compensated_add`] for a whole row.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over volumes")]
+pub fn compensated_add_row<const N: usize>(sum: &mut [f32; N], carry: &mut [f32; N], increment: &[f32; N]) {
+    let (s, c, x) = (*sum, *carry, *increment);
+    let y = each(&x, &c, |x, c| x - c);
+    let t = each(&s, &y, |s, y| s + y);
+    *carry = each(&each(&t, &s, |t, s| t - s), &y, |a, y| a - y);
+    *sum = t;
+}
+
+/// One operation on every pair of two rows.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one operation")]
+pub fn each<const N: usize>(a: &[f32; N], b: &[f32; N], operation: impl Fn(f32, f32) -> f32) -> [f32; N] {
+    let mut result = [0.0; N];
+    let mut place = 0;
+    while place < N {
+        result[place] = operation(a[place], b[place]);
+        place += 1;
+    }
+    result
+}
+
 /// Returns the larger of two numbers, `b` where `a` is NaN; one compare and one select.
 ///
 /// `f32::max` would do the same but leaves the sign of a zero to the platform.

@@ -11,7 +11,7 @@ use super::{Climate, ControlLoop, Measure, crew};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
 use crate::simulator::Place;
-use crate::{Line, Network, math};
+use crate::{Line, Network, NodeKind, math};
 
 /// Copies of the inputs, one for each stage time of a method.
 const STAGES: usize = 3;
@@ -24,9 +24,7 @@ impl Books<'_> {
     #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     fn add(&mut self, node: usize, row: &Stored) {
         if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
-            for place in 0..STORED {
-                math::exact_add(&mut net[place], &mut lost[place], row[place]);
-            }
+            math::exact_add_row(net, lost, row);
         }
     }
 }
@@ -44,10 +42,8 @@ fn row(stream: &Stream, sign: f32) -> Stored {
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn supply(ledger: &mut [Stored], row: &Stored) {
     if let [supplied, s, turned, t] = ledger {
-        for place in 0..STORED {
-            math::compensated_add(&mut supplied[place], &mut s[place], row[place]);
-            math::compensated_add(&mut turned[place], &mut t[place], row[place].abs());
-        }
+        math::compensated_add_row(supplied, s, row);
+        math::compensated_add_row(turned, t, &row.map(f32::abs));
     }
 }
 
@@ -204,7 +200,7 @@ pub(crate) fn step<E: Element>(
     begin_coils(climate, &mut state, &mut work);
     move_lines(network, at, &mut state, &mut work);
     settle_coils(climate, at, &mut state, &mut work);
-    supply_volumes(climate, at, &mut state, &mut work);
+    supply_volumes(network, at, &mut state, &mut work);
     pass_walls(climate, at, &mut state, &mut work);
     let mut place = None;
     for index in 0..climate.volumes.len() {
@@ -391,7 +387,8 @@ fn settle_coils(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>, w
 }
 
 /// Crew, sources, removal and free water.
-fn supply_volumes(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
+fn supply_volumes<E>(network: &Network<'_, E>, at: Stepped<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
+    let climate = &network.climate;
     for crew in climate.crews {
         let [count, activity] = [input(at.inputs, crew.first_input), input(at.inputs, crew.first_input + 1)];
         let (heat, parts) = crew::person(activity);
@@ -425,7 +422,8 @@ fn supply_volumes(climate: &Climate<'_>, at: Stepped<'_>, state: &mut State<'_>,
         let (Some(figures), Some(fractions)) = (work.figures.get(node), work.fractions.get(node)) else {
             continue;
         };
-        if volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 {
+        let held = network.nodes.get(node).is_some_and(|node| node.kind == NodeKind::Boundary);
+        if volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 && !held {
             let vapour = volume::evaporated_kg(volume, figures, fractions, climate.reference_k, at.step_s);
             let mut change = [0.0; STORED];
             (change[VAPOUR], change[LIQUID]) = (vapour, -vapour);

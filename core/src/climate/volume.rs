@@ -151,6 +151,15 @@ impl Constants<'_> {
         if self.node.kind == NodeKind::Boundary {
             return None;
         }
+        if self.volume.contents == Contents::Coolant {
+            // One part, no pressure of its own: θ − θ0 = (δE − c·δm·θ0)/C.
+            let [heat, ..] = self.medium.resting_j_kg_k;
+            let [change, ..] = *held.value;
+            let start_theta = self.node.temperature_k - self.reference_k;
+            *mass = self.volume.start_kg + change;
+            *theta = start_theta + (held.value[ENERGY] - heat * change * start_theta) / (heat * *mass);
+            return None;
+        }
         let mut change = [0.0; PARTS];
         for (change, value) in change.iter_mut().zip(&*held.value) {
             *change = *value;
@@ -189,10 +198,8 @@ impl Constants<'_> {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
 fn store(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored) {
-    for place in 0..STORED {
-        carry[place] += lost[place];
-        math::compensated_add(&mut value[place], &mut carry[place], net[place]);
-    }
+    *carry = math::each(carry, lost, |carry, lost| carry + lost);
+    math::compensated_add_row(value, carry, net);
 }
 
 /// Adds the share `part` of what arrived.
