@@ -94,7 +94,9 @@ def main() -> int:
         tick += 1
         # What is sent faster than it is taken only grows old in a queue.
         room = not link.connected or (link.under_way <= AT_MOST_UNDER_WAY and not backlog)
-        request = {"READY": "arm", "SAFE": "acknowledge"}.get(mode)
+        # A plant that cannot be trusted has to start anew; any other only wants to be acknowledged.
+        untrusted = link.ack is not None and link.ack.get("value") == "plant"
+        request = {"READY": "arm", "SAFE": "restart" if untrusted else "acknowledge"}.get(mode)
         if room and request and tick >= next_request and link.command(request):
             next_request = tick + 50
         backlog += link.send_tick(tick, now_us, [opening, 1.0] if room else None)

@@ -255,7 +255,7 @@ pub enum Request {
 /// What a request depends on, as it is now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Conditions {
-    /// The plant is finite and in range.
+    /// The plant has been brought to its start since it last was restarted, and is finite and in range.
     pub plant_trusted: bool,
     /// Every essential input is good, and the link that brings some of them is up.
     pub inputs_good: bool,
@@ -270,7 +270,7 @@ pub struct Conditions {
 pub enum Refusal {
     /// There is no such change from the present mode.
     Mode,
-    /// The plant cannot be trusted; it has to be restarted.
+    /// The plant cannot be trusted, or never was at its start; it has to be restarted.
     Plant,
     /// An essential input is not good.
     Inputs,

@@ -95,6 +95,8 @@ struct Loop {
     /// The mode at the end of the tick before.
     was: Mode,
     trust: Result<(), Untrusted>,
+    /// Whether INIT has brought the plant to its start since it was last restarted.
+    ready: bool,
 }
 
 /// Runs the loop until [`Settings::ticks`] have run; `tell` takes events and must not wait.
@@ -112,7 +114,7 @@ pub async fn run<B: Board, P: Plant>(
     let first_us = board.now_us() + u64::from(period_us.get());
     let mut schedule = Schedule::new(first_us, period_us);
     let mut account = Account::new(first_us, period_us, settings.startup_ticks);
-    let mut state = Loop { machine: Machine::new(), was: Mode::PowerUp, trust: Ok(()) };
+    let mut state = Loop { machine: Machine::new(), was: Mode::PowerUp, trust: Ok(()), ready: false };
     if settings.start_safe {
         state.fail(Cause::Reset, board, coupling, 0, &mut tell);
         board.safe_outputs();
@@ -198,7 +200,7 @@ impl Loop {
             coupling.unsettle();
         }
         if self.machine.mode() == Mode::Init && (!bound || coupling.settle(plant)) {
-            self.machine.advance(Mode::Ready);
+            self.ready = self.machine.advance(Mode::Ready);
         }
         if self.machine.mode() == Mode::Ready && !bound {
             self.machine.advance(Mode::Run);
@@ -211,7 +213,7 @@ impl Loop {
 
     fn command<P: Plant>(&mut self, command: Command, plant: &mut P, coupling: &mut Coupling<'_>) -> Outcome {
         let conditions = Conditions {
-            plant_trusted: self.trust.is_ok(),
+            plant_trusted: self.trust.is_ok() && self.ready,
             inputs_good: coupling.inputs_good(),
             outputs_arrived: coupling.outputs_arrived(),
         };
@@ -223,7 +225,7 @@ impl Loop {
                     if mode == Mode::Init {
                         plant.restart();
                         coupling.unsettle();
-                        self.trust = Ok(());
+                        (self.trust, self.ready) = (Ok(()), false);
                     }
                     Outcome::Mode(mode)
                 }

@@ -9,7 +9,7 @@ use crate::board::Board;
 use crate::control::{Event, SHOWN_OUTPUTS, Settings};
 use crate::coupling::{LINK_BYTES, LinkReport};
 use crate::schedule::Schedule;
-use eclss_core::mode::{Mode, Request};
+use eclss_core::mode::{Mode, Refusal, Request};
 use eclss_core::protocol::{Command, CommandFrame, Link, Outcome, Outgoing};
 
 /// What an operator can set.
@@ -88,13 +88,14 @@ impl Controller {
                     Outcome::Value(value)
                 }
             },
-            Command::Mode(_) => Outcome::Refused(eclss_core::mode::Refusal::Mode),
+            Command::Mode(_) => Outcome::Refused(Refusal::Mode),
         }
     }
 }
 
 /// Runs the controller until [`Settings::ticks`] have run, on the same grid and with the same account as a plant.
-/// It acknowledges and arms the plant by itself: it is the bench's operator as well.
+/// It acknowledges and arms the plant by itself, or restarts one that cannot be trusted: it is the bench's operator as
+/// well.
 pub async fn run<B: Board>(
     board: &mut B,
     link: &mut Link,
@@ -105,7 +106,7 @@ pub async fn run<B: Board>(
     let first_us = board.now_us() + u64::from(settings.period_us.get());
     let mut schedule = Schedule::new(first_us, settings.period_us);
     let mut account = Account::new(first_us, settings.period_us, settings.startup_ticks);
-    let (mut mode, mut measured) = (Mode::PowerUp, f32::NAN);
+    let (mut mode, mut measured, mut restart) = (Mode::PowerUp, f32::NAN, false);
     let mut until_status = settings.status_every.get();
     while settings.ticks.is_none_or(|ticks| account.ticks < ticks) {
         let release_us = schedule.release_us();
@@ -127,8 +128,12 @@ pub async fn run<B: Board>(
         if let Some(CommandFrame { id, command }) = link.take_command() {
             link.acknowledge(id, controller.command(command));
         }
+        if let Some(ack) = link.take_ack() {
+            restart = ack.outcome == Outcome::Refused(Refusal::Plant);
+        }
         let request = match mode {
             Mode::Ready => Some(Request::Arm),
+            Mode::Safe if restart => Some(Request::Restart),
             Mode::Safe => Some(Request::Acknowledge),
             _ => None,
         };

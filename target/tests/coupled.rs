@@ -3,7 +3,7 @@
 
 mod bench;
 
-use bench::{Operator, Peer, Told, run};
+use bench::{Operator, Peer, Told, run, run_from};
 use eclss_core::mode::{Cause, Mode};
 use eclss_target::control::Event;
 use std::rc::Rc;
@@ -62,6 +62,27 @@ fn run_starts_without_a_bump() {
     assert_eq!(peer.told.get().1, Mode::Run);
 }
 
+impl Peer for Operator {
+    fn tick(&mut self, tick: u64, bytes: &[u8]) -> Vec<u8> {
+        self.exchange(tick, bytes)
+    }
+}
+
+/// A watchdog's reset boots into SAFE. An acknowledgement is not enough there, because no INIT has brought the plant to
+/// its start: it is restarted, and only then armed.
+#[test]
+fn after_a_reset_the_plant_is_restarted_before_it_is_armed() {
+    let told = told();
+    let (operator, events) = run_from(Operator::new(&[1.0, 1.0]), 20_000, &told, true);
+    let modes: Vec<Mode> = events
+        .iter()
+        .filter_map(|event| if let Event::Mode { to, .. } = event { Some(*to) } else { None })
+        .collect();
+    assert!(matches!(events.first(), Some(Event::Safe { tick: 0, cause: Cause::Reset })));
+    assert_eq!(modes, [Mode::Init, Mode::Ready, Mode::Run]);
+    assert!(operator.refused >= 1 && operator.mode == Mode::Run);
+}
+
 /// Cuts the link at random times, for random times.
 struct Cuts {
     operator: Operator,
@@ -69,7 +90,7 @@ struct Cuts {
     dice: u64,
     until: u64,
     cut_at: u64,
-    cuts: u32,
+    number: u32,
     long: u32,
     slowest: u64,
     armed_ticks: u64,
@@ -99,7 +120,7 @@ impl Peer for Cuts {
             if tick >= self.until {
                 self.long += u32::from(mode == Mode::Safe);
                 // After every other long cut nobody acknowledges for a while: then nothing may move.
-                self.operator.willing = self.cuts.is_multiple_of(2);
+                self.operator.willing = self.number.is_multiple_of(2);
                 self.operator.cut = false;
                 self.until = tick + 30;
             }
@@ -109,7 +130,7 @@ impl Peer for Cuts {
         } else if mode == Mode::Run && tick >= self.until {
             self.operator.cut = true;
             self.cut_at = tick;
-            self.cuts += 1;
+            self.number += 1;
             // Every eighth cut is so long that the session ends.
             let long = if self.roll(8) == 0 { 250 } else { 0 };
             self.until = tick + 1 + self.roll(60) + long;
@@ -132,7 +153,7 @@ fn a_cut_link_is_safe_in_time_and_stays_so_until_it_is_acknowledged() {
         dice: 3,
         until: 0,
         cut_at: 0,
-        cuts: 0,
+        number: 0,
         long: 0,
         slowest: 0,
         armed_ticks: 0,
@@ -146,9 +167,9 @@ fn a_cut_link_is_safe_in_time_and_stays_so_until_it_is_acknowledged() {
     let sessions = peer.operator.link.counters().sessions;
     println!(
         "{} cuts, {} of them long, SAFE {} ticks after the cut at the latest, {silences} silences, {sessions} sessions",
-        peer.cuts, peer.long, peer.slowest
+        peer.number, peer.long, peer.slowest
     );
-    assert!(peer.cuts >= wanted, "{} cuts", peer.cuts);
+    assert!(peer.number >= wanted, "{} cuts", peer.number);
     assert!(peer.long > wanted / 4 && peer.slowest <= SAFE_AFTER + 2);
     // The last cut may not be over.
     assert!(

@@ -139,8 +139,10 @@ fn a_controller_in_the_emulator_holds_the_flow_of_the_plant_on_the_host() {
                 // As many plant ticks as the controller's: it is the emulator that cannot be hurried.
                 let passed = newest.tick.saturating_sub(peer_tick.unwrap_or(newest.tick));
                 peer_tick = Some(newest.tick);
-                for _ in 0..passed {
-                    let raw = [newest.data.value(0), newest.data.value(1)];
+                for step in 1..=passed {
+                    // The sample is of the newest of these ticks; in those before, none came.
+                    let came = step == passed;
+                    let raw = [0, 1].map(|index| newest.data.value(index).filter(|_| came));
                     process.ingest(&raw, Mode::Run.conduct());
                     for (live, (_, applied)) in live.iter().zip(process.applied()) {
                         simulator.set_live(live, applied.value, applied.slope_per_s).expect("in range");

@@ -5,9 +5,9 @@
 use core::num::NonZeroU32;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
-use eclss_core::mode::{Mode, Request};
+use eclss_core::mode::{Mode, Refusal, Request};
 use eclss_core::process::{Image, InputState, OutputState, Process};
-use eclss_core::protocol::{Command, Config, Link, Outgoing, Role};
+use eclss_core::protocol::{Command, Config, Link, Outcome, Outgoing, Role};
 use eclss_core::{Buffers, Network, Simulator};
 use eclss_network_file::{Loaded, parse};
 use eclss_target::board::{Board, Converters};
@@ -102,6 +102,11 @@ pub(crate) fn config(role: Role) -> Config {
 
 /// Runs the loop for so many ticks against the peer; `told` takes tick and mode of what was told last.
 pub(crate) fn run<P: Peer>(peer: P, ticks: u64, told: &Told) -> (P, Vec<Event>) {
+    run_from(peer, ticks, told, false)
+}
+
+/// The same after a start that was a clean one or not.
+pub(crate) fn run_from<P: Peer>(peer: P, ticks: u64, told: &Told, start_safe: bool) -> (P, Vec<Event>) {
     let loaded = loaded();
     let (inputs, outputs) = (loaded.process.input_channels(), loaded.process.output_channels());
     let image = Image {
@@ -122,7 +127,7 @@ pub(crate) fn run<P: Peer>(peer: P, ticks: u64, told: &Told) -> (P, Vec<Event>) 
         startup_ticks: 0,
         overruns_to_safe: 3,
         lag_to_safe_us: 1_000_000,
-        start_safe: false,
+        start_safe,
         status_every: NonZeroU32::new(1_000_000).unwrap(),
     };
     let mut events = Vec::new();
@@ -153,6 +158,8 @@ pub(crate) struct Operator {
     pub(crate) mode: Mode,
     pub(crate) outputs: Vec<f32>,
     pub(crate) refused: usize,
+    /// Whether the plant has to be restarted.
+    restart: bool,
 }
 
 impl Operator {
@@ -165,6 +172,7 @@ impl Operator {
             mode: Mode::PowerUp,
             outputs: Vec::new(),
             refused: 0,
+            restart: false,
         }
     }
 
@@ -178,10 +186,12 @@ impl Operator {
             self.outputs = data.values.to_vec();
         }
         if let Some(ack) = self.link.take_ack() {
-            self.refused += usize::from(matches!(ack.outcome, eclss_core::protocol::Outcome::Refused(_)));
+            self.refused += usize::from(matches!(ack.outcome, Outcome::Refused(_)));
+            self.restart = ack.outcome == Outcome::Refused(Refusal::Plant);
         }
         let request = match self.mode {
             Mode::Ready => Some(Request::Arm),
+            Mode::Safe if self.restart => Some(Request::Restart),
             Mode::Safe => Some(Request::Acknowledge),
             _ => None,
         };
