@@ -169,6 +169,11 @@ fn link_state(link: &LinkReport) {
     info!("late {}, twice {}, damaged {}, foreign {}", c.late, c.duplicate, c.damaged(), c.foreign());
 }
 
+/// Logs the id of the process image, which the other end of the link has to know.
+pub fn process(id: u64) {
+    info!("process image {:016x}", id);
+}
+
 /// Logs how deep the stack has been.
 pub fn stack(stack: StackUse) {
     info!("stack {} of {} bytes", stack.deepest, stack.size);

@@ -8,10 +8,11 @@ use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
 type Stage = (&'static str, &'static str, fn() -> Outcome);
 
 /// All stages in order of how soon they answer.
-const STAGES: [Stage; 10] = [
+const STAGES: [Stage; 11] = [
     ("format", "format", || cargo(&["fmt", "--all", "--check"])),
     ("lints", "lints", lints),
     ("host", "host tests", host_tests),
+    ("python", "the client in Python", python),
     ("docs", "documentation", documentation),
     ("setup", "setup", || setup::setup(&[])),
     ("page", "the live page in a browser", page),
@@ -81,6 +82,12 @@ fn page() -> Outcome {
         "--test",
         "page",
     ])
+}
+
+/// The client's own tests, against the bytes of the protocol's document. It needs nothing but the interpreter.
+fn python() -> Outcome {
+    let mut python = command("python3", &["-m", "unittest", "discover", "clients/python"]);
+    run(python.current_dir(project::root()))
 }
 
 fn documentation() -> Outcome {

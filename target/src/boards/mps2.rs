@@ -128,6 +128,9 @@ pub fn start(name: &'static str) -> ! {
             }
             Origin::Loaded => NOTHING.init_with(Coupling::none),
         };
+        if coupling.is_bound() {
+            journal::process(coupling.process().image().id());
+        }
         spawner.spawn(looping(board, plant, coupling, settings, teller).expect("the loop starts once"));
     }
     // Counting instead of sleeping: when the processor sleeps, QEMU winds its clock on from another thread, which

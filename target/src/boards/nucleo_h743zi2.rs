@@ -112,6 +112,9 @@ pub fn start() -> ! {
     let journal = Journal::start(&board, &plant, &settings, reason);
     let nonce = DWT::cycle_count();
     let coupling = network::compiled_in_coupling(|| network::compiled_in_link(&plant, Role::Plant, nonce));
+    if coupling.is_bound() {
+        journal::process(coupling.process().image().id());
+    }
     let (teller, mut listener) = firmware::events(journal);
     interrupt::SWPMI1.set_priority(Priority::P6);
     let spawner = EXECUTOR.start(interrupt::SWPMI1);

@@ -9,7 +9,7 @@ use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
 use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
-use crate::journal::Journal;
+use crate::journal::{self, Journal};
 use crate::network::{self, NetworkPlant};
 use core::num::NonZeroU32;
 use core::time::Duration;
@@ -111,6 +111,9 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
         status_every: per_second,
     };
     let journal = Journal::start(&board, &plant, &settings, ResetReason::PowerOn);
+    if coupling.is_bound() {
+        journal::process(coupling.process().image().id());
+    }
     let (teller, mut listener) = firmware::events(journal);
     std::thread::spawn(move || {
         static EXECUTOR: StaticCell<Executor> = StaticCell::new();
