@@ -186,15 +186,7 @@ impl Board for Pc<'_> {
         wall_ns() as u32
     }
 
-    fn read_inputs(&mut self, _converters: &mut Converters) {
-        if let Some(stall) = self.stall.filter(|stall| stall.tick == self.ticks) {
-            let until = wall_ns() + stall.by.as_nanos() as u64;
-            while wall_ns() < until {}
-        }
-        if !self.latched {
-            self.read_ns = wall_ns();
-        }
-    }
+    fn read_inputs(&mut self, _converters: &mut Converters) {}
 
     fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {
         let now = wall_ns();
@@ -219,7 +211,16 @@ impl Board for Pc<'_> {
 
     fn safe_outputs(&mut self) {}
 
-    fn feed_watchdog(&mut self) {}
+    /// The first thing in a tick: the watchdog is the kernel's, but here the tick is stalled where that was asked for.
+    fn feed_watchdog(&mut self) {
+        if let Some(stall) = self.stall.filter(|stall| stall.tick == self.ticks) {
+            let until = wall_ns() + stall.by.as_nanos() as u64;
+            while wall_ns() < until {}
+        }
+        if !self.latched {
+            self.read_ns = wall_ns();
+        }
+    }
 }
 
 /// What the loop tells, taken note of for the present tick.
