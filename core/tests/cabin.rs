@@ -124,6 +124,7 @@ impl Cabin {
             lines: &lines,
             segments: &segments,
             active: &[Active { segment: 0, line: 0 }],
+            responsive: &[],
             inputs: &self.inputs,
             schedules: &[],
             points: &[],

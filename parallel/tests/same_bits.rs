@@ -110,6 +110,7 @@ impl Drawn {
             lines: &self.lines,
             segments: &self.segments,
             active: &self.active,
+            responsive: &[],
             inputs: &self.inputs,
             schedules: &[],
             points: &[],

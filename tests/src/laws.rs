@@ -37,6 +37,16 @@ pub fn part(element: &StdElement, input: f64) -> Part {
             Part { resistance, removal: 1.0 / (1.0 - caught) - 1.0, ..Part::default() }
         }
         // Its flow is given, so that no loop is made of it.
+        StdElement::Hatch(hatch) => {
+            let opening = input.max(f64::from(hatch.leakage_opening));
+            let resistance = f64::from(hatch.open_resistance_pa_s2_kg2) / (opening * opening);
+            Part { resistance, ..Part::default() }
+        }
+        // What responds to pressure has no place in the relaxation system.
+        StdElement::Orifice(_)
+        | StdElement::CheckValve(_)
+        | StdElement::ReliefValve(_)
+        | StdElement::PressureRegulator(_) => Part { resistance: f64::INFINITY, ..Part::default() },
         StdElement::Measured(_) => Part { resistance: f64::INFINITY, ..Part::default() },
     }
 }

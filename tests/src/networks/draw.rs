@@ -1,7 +1,7 @@
 //! Draws a network: topology, volumes, elements, step and what its inputs do.
 
-use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, ReferencePipe, Valve};
-use eclss_core::{Active, Element, Line, Network, Node, NodeKind, Segment, StdElement};
+use eclss_core::element::{Bed, CheckValve, Fan, HeadCurve, HeatExchanger, Pipe, ReferencePipe, Valve};
+use eclss_core::{Active, Element, Line, Network, Node, NodeKind, Responsive, Segment, StdElement};
 use eclss_network_file::PlanTables;
 
 use crate::dice::Dice;
@@ -20,6 +20,7 @@ pub struct Drawn {
     /// Step [µs], 100 … 100 000.
     pub step_us: u32,
     active: Vec<Active>,
+    responsive: Vec<Responsive>,
     plan: PlanTables,
 }
 
@@ -32,11 +33,13 @@ pub struct Kinds {
     pub follow_flow: bool,
     /// Elements that take mass out.
     pub drains: bool,
+    /// Check valves.
+    pub check_valves: bool,
 }
 
 impl Kinds {
     /// Everything.
-    pub const ALL: Self = Self { junctions: true, follow_flow: true, drains: true };
+    pub const ALL: Self = Self { junctions: true, follow_flow: true, drains: true, check_valves: true };
 }
 
 impl Drawn {
@@ -50,6 +53,7 @@ impl Drawn {
             inputs: Vec::new(),
             step_us: dice.power_of_ten(2.0, 5.0) as u32,
             active: Vec::new(),
+            responsive: Vec::new(),
             plan: PlanTables::default(),
         };
         let held = dice.chance(0.75);
@@ -103,10 +107,6 @@ impl Drawn {
         });
         for _ in 0..elements {
             let element = element(dice, resistance / elements as f64, kinds);
-            let segment = self.segments.len() as u32;
-            if element.is_active() {
-                self.active.push(Active { segment, line: self.lines.len() as u32 - 1 });
-            }
             let first_input = self.inputs.len() as u32;
             self.inputs.extend((0..).map_while(|index| element.input_spec(index)).map(|spec| spec.default));
             self.segments.push(Segment {
@@ -116,6 +116,15 @@ impl Drawn {
                 first_input,
             });
         }
+        let line = self.lines.len() as u32 - 1;
+        let first = self.lines[line as usize].first_segment;
+        let own = &self.segments[first as usize..];
+        if own.iter().any(|segment| segment.element.responds()) {
+            self.responsive.push(Responsive { line, first_memory: 0, reference_density_kg_m3: 0.0 });
+            return;
+        }
+        let active = (first..).zip(own).filter(|(_, segment)| segment.element.is_active());
+        self.active.extend(active.map(|(segment, _)| Active { segment, line }));
     }
 
     /// Draws a value for every input: valves shut, open or between, machines at any speed.
@@ -145,6 +154,7 @@ impl Drawn {
             lines: &self.lines,
             segments: &self.segments,
             active: &self.active,
+            responsive: &self.responsive,
             inputs,
             schedules: &[],
             points: &[],
@@ -186,6 +196,10 @@ fn element(dice: &mut Dice, resistance: f64, kinds: Kinds) -> StdElement {
                 exponent: dice.between(1.0, 2.0) as f32,
             })
         }
+        share if share < 0.64 && kinds.check_valves => StdElement::CheckValve(CheckValve {
+            resistance_pa_s2_kg2,
+            reverse_pa_s_kg: dice.power_of_ten(6.0, 10.0) as f32,
+        }),
         _ => StdElement::Pipe(Pipe { resistance_pa_s2_kg2 }),
     }
 }

@@ -35,7 +35,7 @@ impl Loss {
         for segment in network.segments_of(line) {
             let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
             let at = eclss_core::Operating::plain(inputs, w as f32);
-            let law = segment.element.law(&at);
+            let law = if w < 0.0 { segment.element.reverse_law(&at) } else { segment.element.law(&at) };
             loss.quadratic += f64::from(law.resistance);
             loss.linear += f64::from(law.linear);
             loss.head += f64::from(law.head);
