@@ -12,7 +12,7 @@
 //! through openings short against their width; a discharge coefficient is measured.
 //!
 //! Methods solve `p_in − p_out = R·w·|w|` with R held within a step. R = y/w² at the present pressures gives the
-//! exact flow there, is never negative, and at small y becomes that of a pipe with ξ = 1/C_d². Written in s
+//! exact flow there, is never negative, and at small y becomes that of a pipe with ξ = `1/C_d²`. Written in s
 //! nothing cancels: (1 − r)/(1 − s²) = (1 + s + … + s⁶)/(1 + s).
 
 use crate::{air, math};

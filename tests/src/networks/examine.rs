@@ -65,7 +65,11 @@ impl Outcome {
 
 /// Every second network has only the elements of the theorem and no nodes without volume.
 fn kinds(seed: u64) -> Kinds {
-    if seed.is_multiple_of(2) { Kinds { drains: true, check_valves: true, ..Kinds::default() } } else { Kinds::ALL }
+    if seed.is_multiple_of(2) {
+        Kinds { drains: true, check_valves: true, ..Kinds::default() }
+    } else {
+        Kinds::ALL
+    }
 }
 
 /// Draws the network of a seed and runs it: once with jumping inputs, once to settle.
