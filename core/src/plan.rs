@@ -123,7 +123,7 @@ impl Plan<'_> {
     pub fn term(&self, nodes: &[Node], segments: usize, lines: &[Line], node: u32, end: End) -> [u32; 3] {
         let other = lines
             .get((end / 2) as usize)
-            .map_or(Self::NOWHERE, |line| if end % 2 == 0 { line.to } else { line.from });
+            .map_or(Self::NOWHERE, |line| if end.is_multiple_of(2) { line.to } else { line.from });
         let row_of = |node: u32| self.row_of.get(node as usize).copied().unwrap_or(Self::NOWHERE);
         let (row, others) = (row_of(node), row_of(other));
         let held = others == Self::NOWHERE;

@@ -136,7 +136,7 @@ impl Conversion<'_> {
         })
     }
 
-    /// Effective area C_d·A of an opening.
+    /// Effective area `C_d·A` of an opening.
     fn effective_area(&mut self, discharge_coefficient: f64) -> f32 {
         let key = "discharge_coefficient";
         let area = self.area();

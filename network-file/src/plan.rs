@@ -208,7 +208,9 @@ fn eliminate(nodes: &[Node], lines: &[Line]) -> (Vec<u32>, Vec<BTreeSet<u32>>, u
     let mut waiting: VecDeque<u32> =
         (0..count).filter(|&node| unknown(node) && is_branch(&rows.left, node)).collect();
     let mut queued: Vec<bool> = (0..count).map(|node| !unknown(node)).collect();
-    waiting.iter().for_each(|&node| queued[node as usize] = true);
+    for &node in &waiting {
+        queued[node as usize] = true;
+    }
     while let Some(node) = waiting.pop_front() {
         let mut last = None;
         rows.eliminate(node, |neighbour, _, _| last = Some(neighbour));

@@ -42,12 +42,12 @@ pub fn part(element: &StdElement, input: f64) -> Part {
             let resistance = f64::from(hatch.open_resistance_pa_s2_kg2) / (opening * opening);
             Part { resistance, ..Part::default() }
         }
-        // What responds to pressure has no place in the relaxation system.
+        // What responds to pressure, or is measured, has no place in the relaxation system.
         StdElement::Orifice(_)
         | StdElement::CheckValve(_)
         | StdElement::ReliefValve(_)
-        | StdElement::PressureRegulator(_) => Part { resistance: f64::INFINITY, ..Part::default() },
-        StdElement::Measured(_) => Part { resistance: f64::INFINITY, ..Part::default() },
+        | StdElement::PressureRegulator(_)
+        | StdElement::Measured(_) => Part { resistance: f64::INFINITY, ..Part::default() },
     }
 }
 

@@ -26,6 +26,7 @@ pub struct Drawn {
 
 /// What may be drawn.
 #[derive(Debug, Clone, Copy, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "each may be drawn or not, whatever the others")]
 pub struct Kinds {
     /// Nodes without volume, which `adaptive` does not take.
     pub junctions: bool,

@@ -38,6 +38,9 @@ pub enum Trouble {
 }
 
 /// Runs `phases` times `steps` steps with constant inputs and a jump before each but the first.
+///
+/// # Panics
+/// Where the simulator refuses the network or an input, which is a mistake of the drawing.
 pub fn jumps(
     drawn: &Drawn,
     method: Method,

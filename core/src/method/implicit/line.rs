@@ -191,7 +191,7 @@ pub(crate) fn port_flow<E: Element>(network: &Network<'_, E>, end: u32, flow: &[
     };
     let line = network.plan.composite.get(place / 2).and_then(|&line| network.lines.get(line as usize));
     let [inlet, outlet] = line.map_or([0.0; 2], |line| flows(network, line, flow));
-    if end % 2 == 0 { inlet } else { outlet }
+    if end.is_multiple_of(2) { inlet } else { outlet }
 }
 
 /// Flows at a line's inlet and outlet at the step's start [kg/s].

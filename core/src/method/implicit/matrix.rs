@@ -6,7 +6,7 @@
 //! (e + Σa)·δp − Σ a·δp_other = r
 //! ```
 //!
-//! Eliminating a neighbour k of share z_k = e_k/d_k and increment y_k adds a·z_k to e, a·y_k to r and a·u to the
+//! Eliminating a neighbour k of share `z_k = e_k/d_k` and increment `y_k` adds `a·z_k` to e, `a·y_k` to r and a·u to the
 //! exchange with each later neighbour of k. The diagonal d = e + Σa is summed anew from what is left, so that nothing
 //! is ever subtracted and every figure keeps its relative precision (Grassmann, Taksar and Heyman 1985, for chains
 //! of states). There is no pivoting: the pattern decides the sequence of operations, the values do not.
@@ -89,7 +89,7 @@ fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
         let mut diagonal = own + onward;
         let [held, known] =
             gather(plan.terms_of(node), [own, at(work.known, node)], ports, swept, |_, _, held| {
-                diagonal += held
+                diagonal += held;
             });
         let reciprocal = 1.0 / diagonal;
         *share = onward * reciprocal;

@@ -92,6 +92,7 @@ impl Momentum {
 
 /// What a step that is specialised knows of every segment.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "four facts that have nothing to do with each other")]
 struct Known {
     /// The law has no linear part.
     quadratic: bool,
