@@ -199,9 +199,7 @@ fn fan_and_check_valve(column: &str) -> Loaded {
 
 #[test]
 fn a_check_valve_passes_no_reverse_flow_but_its_leak() {
-    for column in
-        ["", "length_m = 3.0\ndiameter_m = 0.1\noutlet_volume_m3 = 0.0", "length_m = 1.0\ndiameter_m = 0.1"]
-    {
+    for column in ["", "length_m = 3.0\ndiameter_m = 0.1\noutlet_volume_m3 = 0.0"] {
         let loaded = fan_and_check_valve(column);
         for method in METHODS {
             for step_us in [100, 1_000, 10_000, 100_000] {
