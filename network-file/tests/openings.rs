@@ -199,14 +199,17 @@ fn fan_and_check_valve(column: &str) -> Loaded {
 
 #[test]
 fn a_check_valve_passes_no_reverse_flow_but_its_leak() {
-    for column in ["", "length_m = 3.0\ndiameter_m = 0.1\noutlet_volume_m3 = 0.0"] {
+    for column in
+        ["", "length_m = 3.0\ndiameter_m = 0.1\noutlet_volume_m3 = 0.0", "length_m = 1.0\ndiameter_m = 0.1"]
+    {
         let loaded = fan_and_check_valve(column);
         for method in METHODS {
             for step_us in [100, 1_000, 10_000, 100_000] {
                 let (mut most, mut worst, mut given) = (0.0f64, 0.0f64, 0.0f64);
                 let mut difference = 500.0f64;
                 run(&loaded, method, step_us, |simulator, time_s| {
-                    let w = f64::from(simulator.line_flow_kg_s(0));
+                    // Its own flow: beyond a volume the duct may well ring backward.
+                    let w = f64::from(simulator.segment_flow_kg_s(0, 1));
                     // Where the duct rings the valve sees more than its line's ends do: all that the fan can make.
                     let before = difference;
                     difference = gauge(simulator, 1) - gauge(simulator, 0);

@@ -8,10 +8,14 @@ use super::layout::{Work, at, continues};
 use super::{Model, law, range, solve};
 use crate::element::Element;
 use crate::method::responsive::Reach;
-use crate::{Line, Network, Plan, Responsive};
+use crate::{Line, Network, Plan, Responsive, math};
 
 /// Solves a stage on top of those of any network.
 const MORE: u32 = 2;
+
+/// Marks of a guarded slope: with the law of forward or of reversed flow.
+const FORWARD: f32 = 1.0;
+const REVERSED: f32 = 2.0;
 
 /// Where laws are stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +26,8 @@ pub(super) enum Place {
     NextStage,
     /// Where the last solve of a stage went to; heads stand for the whole stage.
     Iterate,
+    /// The same, and what has turned stays turned: the last solves only close.
+    Closing,
 }
 
 /// Advances the memories by `step_s` [s], at the pressures and flows of the step's start.
@@ -65,7 +71,7 @@ pub(super) fn state_laws<E: Element>(
         let Some(line) = network.lines.get(entry.line as usize) else { continue };
         // Nothing below moves pressures, flows or increments.
         let (pressure, delta, differ) = (&*work.pressure, &*work.delta, &*work.differ);
-        let q = &*work.q;
+        let q = &mut *work.q;
         let (ports, laws) = (&*work.ports, &mut *work.law);
         let (quadratic, linear, head) = (&mut *work.quadratic, &mut *work.linear, &mut *work.head);
         let (inertia, guarded) = (&mut *work.inertia, &mut *work.guarded);
@@ -74,7 +80,9 @@ pub(super) fn state_laws<E: Element>(
             let b = ports.get(last).map_or(0.0, |port| port[0]);
             let step = at(q, last as u32) + b * at(differ, last as u32);
             let w = at(flow, last as u32) + if solved { step } else { 0.0 };
+            let turned = guarded.get(last).is_some_and(|mark| *mark > FORWARD);
             let forward = if w == 0.0 { ends[0] >= ends[1] } else { w > 0.0 };
+            let forward = forward && !(turned && place == Place::Closing);
             let (mut sums, mut inert) = ([0.0f32; 3], 0.0);
             reach.laws(w, memory, |index, ratio, [ahead, back]| {
                 let (own, ratio) = if forward { (ahead, ratio) } else { (back, 1.0) };
@@ -86,17 +94,29 @@ pub(super) fn state_laws<E: Element>(
                     *law = [own.resistance, own.linear, own.head];
                 }
             });
+            // A valve that has just turned is looked at where its leak would put it: the tangents of the others at the
+            // flow that it no longer lets through would push on it.
+            let drive = ((ends[0] - ends[1]) + sums[2]).abs();
+            let root = math::sqrt(sums[1] * sums[1] + 4.0 * sums[0] * drive);
+            let driven = 2.0 * drive / math::larger(sums[1] + root, f32::MIN_POSITIVE);
+            if solved && !forward && sums[1] > sums[0] * -w && driven < -w {
+                if let Some(q) = q.get_mut(last) {
+                    *q = -driven - at(flow, last as u32) - b * at(differ, last as u32);
+                }
+            }
             for (column, value) in [
                 (&mut *quadratic, sums[0]),
                 (&mut *linear, sums[1]),
                 (&mut *inertia, inert),
-                (&mut *guarded, 1.0),
+                (&mut *guarded, if forward { FORWARD } else { REVERSED }),
             ] {
                 if let Some(slot) = column.get_mut(last) {
                     *slot = value;
                 }
             }
-            if let Some(slot) = head.get_mut(last).filter(|_| place != Place::Iterate) {
+            if let Some(slot) =
+                head.get_mut(last).filter(|_| matches!(place, Place::Start | Place::NextStage))
+            {
                 *slot = sums[2];
             }
         });
@@ -114,7 +134,7 @@ pub(super) fn solve_more<E: Element, const UNROLL: bool, const CARRY: bool>(
     work: &mut Work<'_>,
 ) {
     for _ in 0..MORE {
-        state_laws(model.network, model.tau, inputs, Place::Iterate, flow, memory, work);
+        state_laws(model.network, model.tau, inputs, Place::Closing, flow, memory, work);
         solve::<E, UNROLL, false, CARRY>(model, flow, work);
     }
 }
