@@ -99,10 +99,13 @@ pub(super) fn state_laws<E: Element>(
             let drive = ((ends[0] - ends[1]) + sums[2]).abs();
             let root = math::sqrt(sums[1] * sums[1] + 4.0 * sums[0] * drive);
             let driven = 2.0 * drive / math::larger(sums[1] + root, f32::MIN_POSITIVE);
-            if solved && !forward && sums[1] > sums[0] * -w && driven < -w {
-                if let Some(q) = q.get_mut(last) {
-                    *q = -driven - at(flow, last as u32) - b * at(differ, last as u32);
-                }
+            if solved
+                && !forward
+                && sums[1] > sums[0] * -w
+                && driven < -w
+                && let Some(q) = q.get_mut(last)
+            {
+                *q = -driven - at(flow, last as u32) - b * at(differ, last as u32);
             }
             for (column, value) in [
                 (&mut *quadratic, sums[0]),
