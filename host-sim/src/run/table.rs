@@ -125,16 +125,6 @@ fn find<V: Copy>(list: &ById<V>, id: &str) -> Option<V> {
     list.0.iter().find(|(name, _)| name == id).map(|(_, value)| *value)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_bound_that_does_not_exist_is_a_dash() {
-        assert_eq!((bound(f32::NAN).as_str(), bound(0.5).as_str()), ("–", "0.5"));
-    }
-}
-
 /// A figure of the climate in the unit that people read.
 fn in_use(name: &str, value: f32) -> (f32, &'static str) {
     match name.rsplit('.').next().unwrap_or_default() {
@@ -145,5 +135,15 @@ fn in_use(name: &str, value: f32) -> (f32, &'static str) {
         "film" | "separator" | "tank" | "liquid" => (value, "kg"),
         "mixed" => (value, "1"),
         _ => (value, "Pa"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_that_does_not_exist_is_a_dash() {
+        assert_eq!((bound(f32::NAN).as_str(), bound(0.5).as_str()), ("–", "0.5"));
     }
 }
