@@ -96,7 +96,7 @@ fn forge(frame: &[u8], dice: &mut Dice) -> Vec<u8> {
     decoded.truncate(end);
     let Ok(length) = cobs::decode_in_place(&mut decoded) else { return frame.to_vec() };
     decoded.truncate(length.saturating_sub(4));
-    for _ in 0..1 + dice.roll(3) {
+    for _ in 0..=dice.roll(3) {
         if decoded.is_empty() {
             break;
         }

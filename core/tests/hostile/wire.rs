@@ -56,7 +56,7 @@ pub(crate) fn run(packets: u32, seed: u64) -> Report {
             3 => {
                 // One to three flipped bits, none of which makes a zero or spoils the last one: one frame stays one.
                 let mut spoiled = frame.clone();
-                for _ in 0..1 + dice.roll(3) {
+                for _ in 0..=dice.roll(3) {
                     let place = dice.roll(spoiled.len() - 1);
                     let flipped = spoiled[place] ^ 1 << dice.roll(8);
                     spoiled[place] = if flipped == 0 { spoiled[place] } else { flipped };
