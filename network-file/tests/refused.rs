@@ -492,7 +492,7 @@ fn more_than_there_is_room_for() {
     let text = format!("{head}element = [{}]\n", many(limits::ELEMENTS + 1, &element));
     starts(&text, "65537 tables `[[element]]`, at most 65536");
 
-    starts(&format!("{RIGHT}{}", "#".repeat(limits::FILE_BYTES)), "bytes, at most 16777216 are allowed");
+    starts(&format!("{RIGHT}{}", "#".repeat(limits::FILE_BYTES)), "bytes, at most 33554432 are allowed");
 }
 
 #[test]
