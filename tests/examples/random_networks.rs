@@ -1,6 +1,6 @@
 //! Random networks with every method: finite, inside the bound, settling to the independent steady state.
 //!
-//! `cargo run --release -p eclss-tests --example random_networks -- 10000 [FIRST_SEED]`
+//! `cargo run --release -p eclss-tests --example random_networks -- 10000 [FIRST_SEED] [check-valves]`
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -15,6 +15,7 @@ const SHOWN: usize = 20;
 fn main() {
     let argument = |index| std::env::args().nth(index).and_then(|text: String| text.parse().ok());
     let (networks, first) = (argument(1).unwrap_or(1_000), argument(2).unwrap_or(0));
+    let check_valves = std::env::args().any(|word| word == "check-valves");
     let next = AtomicU64::new(first);
     let sums = Mutex::new(METHODS.map(|_| Outcome::default()));
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -26,7 +27,7 @@ fn main() {
                     if seed >= first + networks {
                         break;
                     }
-                    let outcomes = METHODS.map(|method| examine(seed, method));
+                    let outcomes = METHODS.map(|method| examine(seed, method, check_valves));
                     let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
                     for (sum, outcome) in sums.iter_mut().zip(outcomes) {
                         sum.add(outcome);

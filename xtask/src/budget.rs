@@ -16,7 +16,8 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
     let mut budget = Command::new("cargo");
     budget.args([
         "run",
-        "--release",
+        "--profile",
+        "checked",
         "--package",
         "eclss-tests",
         "--features",

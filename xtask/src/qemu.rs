@@ -67,7 +67,8 @@ fn emulator(board: &Board, elf: &Path, words: &[String]) -> Outcome<Command> {
 /// The tests that run firmware. They stand behind a feature because a plain `cargo test` has no firmware.
 pub(crate) fn test() -> Outcome {
     let mut tests = Command::new("cargo");
-    tests.args(["test", "--release", "--package", "eclss-tests", "--features", "qemu", "--test", "qemu_*"]);
+    tests.args(["test", "--profile", "checked", "--package", "eclss-tests"]);
+    tests.args(["--features", "qemu", "--test", "qemu_*"]);
     hand_over(&mut tests)?;
     crate::process::run(tests.current_dir(project::root()))
 }

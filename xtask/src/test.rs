@@ -58,8 +58,10 @@ fn lints() -> Outcome {
 }
 
 fn host_tests() -> Outcome {
-    cargo(&[&["test", "--release"], &MOST[..]].concat())?;
-    cargo(&[&["test", "--release"], &APPLICATION[..]].concat())
+    cargo(&[&["test", "--profile", "checked", "--exclude", "eclss-bench"], &MOST[..]].concat())?;
+    cargo(&[&["test", "--profile", "checked"], &APPLICATION[..]].concat())?;
+    // What costs are measured with is the profile that users run.
+    cargo(&["test", "--release", "--package", "eclss-bench"])
 }
 
 /// The tests that drive a browser. They stand behind a feature because a plain `cargo test` may have none.
@@ -74,7 +76,8 @@ fn page() -> Outcome {
     }
     cargo(&[
         "test",
-        "--release",
+        "--profile",
+        "checked",
         "--package",
         "eclss-host-sim",
         "--features",

@@ -64,18 +64,18 @@ impl Outcome {
 }
 
 /// Every second network has only the elements of the theorem and no nodes without volume.
-fn kinds(seed: u64) -> Kinds {
+fn kinds(seed: u64, check_valves: bool) -> Kinds {
     if seed.is_multiple_of(2) {
-        Kinds { drains: true, check_valves: true, ..Kinds::default() }
+        Kinds { drains: true, check_valves, ..Kinds::default() }
     } else {
-        Kinds::ALL
+        Kinds { check_valves, ..Kinds::ALL }
     }
 }
 
-/// Draws the network of a seed and runs it: once with jumping inputs, once to settle.
-pub fn examine(seed: u64, method: Method) -> Outcome {
+/// Draws the network of a seed, with check valves or without, and runs it: once with jumping inputs, once to settle.
+pub fn examine(seed: u64, method: Method, check_valves: bool) -> Outcome {
     let mut dice = Dice::new(seed);
-    let drawn = Drawn::new(&mut dice, kinds(seed));
+    let drawn = Drawn::new(&mut dice, kinds(seed, check_valves));
     let mut outcome = Outcome::default();
     let (nodes, lines) = (drawn.nodes.len(), drawn.lines.len());
     let at = format!("seed {seed}, {nodes} nodes, {lines} lines, {} us", drawn.step_us);
