@@ -54,9 +54,10 @@ pub(super) fn measure() {
     let calling = calling();
     for (name, element) in ELEMENTS {
         let mut figure = Figure::EMPTY;
-        for inputs in INPUTS {
+        for input in INPUTS {
+            let inputs = [input];
             for mass_flow_kg_s in FLOWS {
-                let operating = Operating::plain(&[inputs], mass_flow_kg_s);
+                let operating = Operating::plain(&inputs, mass_flow_kg_s);
                 let (element, operating) = (black_box(&element), black_box(&operating));
                 let mut law = None;
                 let count = counted(&mut || law = Some(evaluate(element, operating)));
