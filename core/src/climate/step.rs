@@ -398,7 +398,9 @@ fn supply_volumes<E>(network: &Network<'_, E>, at: Stepped<'_>, state: &mut Stat
         let first = source.first_input as usize;
         let Some([heat, parts @ ..]) = at.inputs.get(first..first + PARTS + 1) else { continue };
         let mut rates = [0.0; PARTS];
-        rates.copy_from_slice(parts);
+        for (rate, part) in rates.iter_mut().zip(parts) {
+            *rate = *part;
+        }
         give(climate, state, work, source.node, at.step_s, *heat, &rates);
     }
     for remover in climate.removers {

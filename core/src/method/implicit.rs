@@ -253,7 +253,9 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         work.known.fill(0.0);
         law::update::<E, UNROLL, false>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::Start);
-        work.momentum.copy_from_slice(work.drop);
+        for (momentum, drop) in work.momentum.iter_mut().zip(work.drop.iter()) {
+            *momentum = *drop;
+        }
         segment::push(work.head, work.momentum);
         solve::<E, UNROLL, true, false>(model, state.flow, work);
         if responds {
