@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds the flow of networks/hil.toml by its valve: a PI controller at the other end of the link.
 
-    python3 clients/python/hold_flow.py --network-id 0x… --process-id 0x… unix:/tmp/eclss.sock
+    python3 clients/python/hold_flow.py --network-id 0x… --process-id 0x… unix:eclss.sock
 
 Ids are told by the plant's log and by `eclss-rt check`. Addresses: `unix:PATH`, `tcp:HOST:PORT`, `udp:HOST:PORT`.
 """

@@ -1,20 +1,24 @@
 //! Joins description, state and method, and counts time.
 
 mod checkpoint;
+mod compiled;
+mod health;
 mod live;
+mod read;
 mod split;
 
 pub use checkpoint::CheckpointError;
+pub use compiled::{Compiled, CompiledSimulator};
+pub use health::{Fault, Health, Place};
 pub use live::{InputError, LiveInput};
 pub use split::SplitSimulator;
 
-use crate::climate::{self, ClimateError, ExchangerReadings, Ledger, Readings};
+use crate::climate::{self, ClimateError};
 use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
-use crate::method::observe::Observer;
 use crate::method::{adaptive, implicit, relaxation};
 use crate::schedule::Instant;
-use crate::{Buffers, Fingerprint, Margin, Method, MethodError, Network, NetworkError, Proof};
+use crate::{Buffers, Margin, Method, MethodError, Network, NetworkError, Proof};
 
 /// How a network is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,59 +58,6 @@ impl core::fmt::Display for BuildError {
 }
 
 impl core::error::Error for BuildError {}
-
-/// Where a value left its range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Place {
-    /// Pressure of this node.
-    Node(u32),
-    /// Flow of this line.
-    Line(u32),
-}
-
-/// A value became NaN, infinite or larger than anything in a space station: the run is no longer trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Fault {
-    /// The tick that produced it, counted from 1.
-    pub tick: u64,
-    /// The first place that left its range.
-    pub place: Place,
-}
-
-impl Fault {
-    /// Largest mass flow of any line [kg/s].
-    pub const FLOW_LIMIT_KG_S: f32 = 1e3;
-    /// Largest deviation of any pressure from the reference [Pa]. An absolute pressure below zero is out of range
-    /// as well.
-    pub const GAUGE_LIMIT_PA: f32 = 1e7;
-
-    /// Whether a gauge pressure over `reference_pa` is out of range; vacuum itself, with its rounding, is not.
-    pub(crate) fn outside(gauge_pa: f32, reference_pa: f32) -> bool {
-        crate::math::beyond(gauge_pa, Self::GAUGE_LIMIT_PA) || gauge_pa < -reference_pa
-    }
-}
-
-/// Whether a run may be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Health {
-    /// Every value is finite and in range.
-    Trusted,
-    /// A value left its range; the state stands still since then.
-    Faulted(Fault),
-}
-
-/// A description and settings that the compiler knows, as generated from a network file.
-pub trait Compiled {
-    /// The element set.
-    type Element: Element + 'static;
-    /// The description.
-    const NETWORK: Network<'static, Self::Element>;
-    /// Method and step.
-    const SETTINGS: Settings;
-}
 
 /// Samples every schedule at the method's stage times.
 #[inline(always)]
@@ -318,227 +269,5 @@ impl<'a, E: Element> Simulator<'a, E> {
             }
         }
         self.health
-    }
-
-    fn observer(&self) -> Observer<'_, 'a, E> {
-        let implicit = matches!(self.settings.method, Method::ImplicitEuler | Method::TrBdf2);
-        let slots = self.network.inputs.len();
-        let last_stage = if implicit { 2 * slots } else { 0 };
-        Observer {
-            network: self.network,
-            method: self.settings.method,
-            state: self.state,
-            work: self.work,
-            inputs: self.inputs.get(last_stage..).unwrap_or(&[]),
-        }
-    }
-
-    /// The description.
-    pub fn network(&self) -> &'a Network<'a, E> {
-        self.network
-    }
-
-    /// Method and step.
-    pub fn settings(&self) -> Settings {
-        self.settings
-    }
-
-    /// The description's id.
-    pub fn network_id(&self) -> u64 {
-        self.network_id
-    }
-
-    /// Steps taken.
-    pub fn tick(&self) -> u64 {
-        self.tick
-    }
-
-    /// Plant time [µs]: tick times step.
-    pub fn time_us(&self) -> u64 {
-        self.time_us
-    }
-
-    /// Whether the run may be trusted.
-    pub fn health(&self) -> Health {
-        self.health
-    }
-
-    /// Margin of the last step.
-    pub fn margin(&self) -> Margin {
-        self.margin
-    }
-
-    /// Worst margin of all steps so far, figure by figure.
-    pub fn worst_margin(&self) -> Margin {
-        self.worst_margin
-    }
-
-    /// Steps in which neither the proof nor the guard held.
-    pub fn unproven_ticks(&self) -> u64 {
-        self.unproven_ticks
-    }
-
-    /// Value of every input slot in the last step.
-    pub fn inputs(&self) -> &[f32] {
-        self.observer().inputs
-    }
-
-    /// The integrated states and their carries.
-    pub fn state(&self) -> &[f32] {
-        self.state
-    }
-
-    /// Gauge pressure of node `node` [Pa]; NaN for a node that does not exist.
-    pub fn node_gauge_pa(&self, node: usize) -> f32 {
-        self.observer().node_gauge_pa(node)
-    }
-
-    /// φ of node `node` in the last step [1]: below 1 it stores as if its volume were V/φ. NaN for a node that does
-    /// not exist.
-    pub fn node_phi(&self, node: usize) -> f32 {
-        self.observer().node_phi(node)
-    }
-
-    /// Mass flow of line `line` at its flow segment [kg/s]; NaN for a line that does not exist.
-    pub fn line_flow_kg_s(&self, line: usize) -> f32 {
-        self.observer().line_flow_kg_s(line)
-    }
-
-    /// Reads line `line` in one pass, last segment first: calls `each` with the segment (counted over all lines),
-    /// the mass flow at its inlet [kg/s] and the gauge pressure at its outlet [Pa].
-    pub fn read_line(&self, line: usize, each: impl FnMut(usize, f32, f32)) {
-        self.observer().read_line(line, each);
-    }
-
-    /// Mass flow at the inlet of segment `segment` (counted over all lines) of line `line` [kg/s]. Walks the line;
-    /// [`Self::read_line`] gives all of it at once.
-    pub fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
-        self.observer().segment_flow_kg_s(line, segment)
-    }
-
-    /// Gauge pressure at the outlet of segment `segment` (counted over all lines) of line `line` [Pa].
-    pub fn outlet_gauge_pa(&self, line: usize, segment: usize) -> f32 {
-        self.observer().outlet_gauge_pa(line, segment)
-    }
-
-    /// Mass of node `node` as deviation from the start [kg].
-    pub fn node_mass_kg(&self, node: usize) -> f64 {
-        self.climate().mass_kg(node).unwrap_or_else(|| self.observer().node_mass_kg(node))
-    }
-
-    /// Mass that the operator kept node `node` from storing [kg]; 0 wherever φ was 1 throughout.
-    pub fn fictitious_kg(&self, node: usize) -> f64 {
-        self.observer().fictitious_kg(node)
-    }
-
-    /// What line `line` took from its inlet node, gave to its outlet node and drained since the start [kg].
-    pub fn line_sums_kg(&self, line: usize) -> [f64; 3] {
-        self.observer().line_sums_kg(line)
-    }
-
-    /// Mass that the volumes inside line `line` hold beyond the start [kg].
-    pub fn held_kg(&self, line: usize) -> f64 {
-        self.observer().held_kg(line)
-    }
-
-    fn climate(&self) -> climate::Observed<'_, 'a> {
-        let (state, work) = climate::sizes(self.network);
-        let tail = |buffer: &'_ [f32], length: usize| buffer.len().saturating_sub(length);
-        climate::Observed::of(
-            &self.network.climate,
-            self.state.get(tail(self.state, state)..).unwrap_or(&[]),
-            self.work.get(tail(self.work, work)..).unwrap_or(&[]),
-            self.settings.step_us as f32 * 1e-6,
-        )
-    }
-
-    /// What node `node` shows as a volume of air; `None` without a climate, and for coolant.
-    pub fn air(&self, node: usize) -> Option<Readings> {
-        self.climate().air(node)
-    }
-
-    /// Temperature of node `node` [K]: its present one with a climate, else the fixed one of the description.
-    pub fn node_temperature_k(&self, node: usize) -> f32 {
-        let fixed = || self.network.nodes.get(node).map(|node| node.temperature_k);
-        self.climate().temperature_k(node).or_else(fixed).unwrap_or(f32::NAN)
-    }
-
-    /// What exchanger `index` of the climate shows.
-    pub fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
-        self.climate().exchanger(index)
-    }
-
-    /// Share of what arrived at node `node` that its volume stored in the last step [1]; below 1 where more passes than
-    /// it holds.
-    pub fn storage_phi(&self, node: usize) -> Option<f32> {
-        self.climate().phi(node)
-    }
-
-    /// Ledgers of gases, water, coolant and energy; all zero without a climate.
-    pub fn ledgers(&self) -> [Ledger; 7] {
-        self.climate().ledgers()
-    }
-
-    /// Returns the hash over network id, method, step, tick and every state and carry, the same on every
-    /// machine that took the same steps.
-    pub fn state_hash(&self) -> u64 {
-        let mut hash = Fingerprint::default();
-        hash.long(self.network_id);
-        hash.word(self.settings.method as u32);
-        hash.word(self.settings.step_us);
-        hash.long(self.tick);
-        hash.values(self.state);
-        hash.finish()
-    }
-}
-
-/// A simulator of a description that the compiler knows: same bits as [`Simulator::step`], but every table is
-/// read, every branch on it taken and every bound checked at compile time.
-#[derive(Debug)]
-pub struct CompiledSimulator<'a, N: Compiled> {
-    simulator: Simulator<'a, N::Element>,
-    description: core::marker::PhantomData<N>,
-}
-
-impl<'a, N: Compiled> CompiledSimulator<'a, N> {
-    /// Returns `simulator` with a specialised step, or `None` where it runs another description or settings.
-    pub fn new(simulator: Simulator<'a, N::Element>) -> Option<Self> {
-        let same = simulator.network_id == N::NETWORK.id() && simulator.settings == N::SETTINGS;
-        same.then_some(Self { simulator, description: core::marker::PhantomData })
-    }
-
-    /// Advances by one step. A faulted simulator stands still.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "to be specialised where it is called")]
-    pub fn step(&mut self) -> Health {
-        self.simulator.advance::<true>(&N::NETWORK, N::SETTINGS)
-    }
-
-    /// Sets an input, see [`Simulator::set_input`].
-    pub fn set_input(&mut self, slot: usize, value: f32) -> Result<(), InputError> {
-        self.simulator.set_input(slot, value)
-    }
-
-    /// Sets a live input, see [`Simulator::set_live`].
-    pub fn set_live(&mut self, input: &LiveInput, value: f32, slope_per_s: f32) -> Result<(), InputError> {
-        self.simulator.set_live(input, value, slope_per_s)
-    }
-
-    /// Goes back to the start, see [`Simulator::restart`].
-    pub fn restart(&mut self) {
-        self.simulator.restart();
-    }
-
-    /// Goes back to a checkpoint, see [`Simulator::restore`].
-    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
-        self.simulator.restore(bytes)
-    }
-}
-
-impl<'a, N: Compiled> core::ops::Deref for CompiledSimulator<'a, N> {
-    type Target = Simulator<'a, N::Element>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.simulator
     }
 }

@@ -163,8 +163,8 @@ fn parts(traces: &[(Method, Vec<Step>)]) -> Table {
 }
 
 fn laws(boards: &[(&str, Vec<Figure>)]) -> Table {
-    let about = "One evaluation of a component's law over inputs from shut to overspeed and flows both ways, with the choice \
-                 among components and the call [instructions].";
+    let about = "One evaluation of a component's law over inputs from shut to overspeed, flows both ways and outlets \
+                 from vacuum to reverse, with the choice among components and the call [instructions].";
     let mut table =
         Table::new("Component laws", about, 2, &["component", "board", "min", "mean", "max", "max/mean"]);
     for (machine, figures) in boards {

@@ -2,14 +2,17 @@
 
 use super::{Figure, calling, counted};
 use core::hint::black_box;
-use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use eclss_core::element::{
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump,
+    ReferencePipe, ReliefValve, Valve,
+};
 use eclss_core::{Element as _, Law, Operating, StdElement};
 
 const CURVE: HeadCurve =
     HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 120.0, quadratic_pa_s2_kg2: 12_984.201 };
 
-/// Every component with parameters from the paper's loop.
-const ELEMENTS: [(&str, StdElement); 7] = [
+/// Every component: those of the paper with parameters from its loop, the others with usual ones.
+const ELEMENTS: [(&str, StdElement); 13] = [
     ("pipe", StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 805.874 })),
     (
         "reference_pipe",
@@ -41,14 +44,45 @@ const ELEMENTS: [(&str, StdElement); 7] = [
         "bed",
         StdElement::Bed(Bed { resistance_pa_s2_kg2: 20_000.0, mass_fraction: 0.01, capture_efficiency: 0.9 }),
     ),
+    ("orifice", StdElement::Orifice(Orifice { effective_area_m2: 1e-4 })),
+    (
+        "check_valve",
+        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 5_000.0, reverse_pa_s_kg: 1e8 }),
+    ),
+    (
+        "relief_valve",
+        StdElement::ReliefValve(ReliefValve {
+            crack_pa: 3_000.0,
+            reseat_pa: 2_500.0,
+            resistance_pa_s2_kg2: 1e6,
+            leakage_opening: 1e-3,
+        }),
+    ),
+    (
+        "pressure_regulator",
+        StdElement::PressureRegulator(PressureRegulator {
+            effective_area_m2: 1e-5,
+            set_point_pa: 101_000.0,
+            band_pa: 400.0,
+            lag_s: 0.5,
+            leakage_opening: 1e-3,
+        }),
+    ),
+    ("hatch", StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2: 0.5, leakage_opening: 1e-3 })),
+    ("measured", StdElement::Measured(Measured { largest_flow_kg_s: 0.2, slope_kg_s_pa: 1e-4 })),
 ];
 
 /// Inputs (opening or speed), from shut to more than nominal.
 const INPUTS: [f32; 8] = [0.0, 0.001, 0.02, 0.118, 0.5, 0.755, 1.0, 1.5];
 /// Mass flows \[kg/s\], both ways.
 const FLOWS: [f32; 5] = [-0.05, -1e-4, 0.0, 1e-6, 0.0865];
+/// Pressures at the outlet \[Pa\] against a cabin's at the inlet: vacuum, beyond and within the critical ratio, none
+/// between both, reverse.
+const OUTLETS: [f32; 5] = [0.0, 40e3, 90e3, 101_325.0, 150e3];
+/// A valve of which the last step left half open.
+const MEMORY: [f32; 1] = [0.5];
 
-/// Measures every law over all inputs and flows. Which component it is, the compiler cannot see: the figure holds
+/// Measures every law over all inputs, flows and pressures. Which component it is, the compiler cannot see: the figure holds
 /// the choice among all of them, as in a network that is loaded at run time.
 pub(super) fn measure() {
     let calling = calling();
@@ -56,8 +90,10 @@ pub(super) fn measure() {
         let mut figure = Figure::EMPTY;
         for input in INPUTS {
             let inputs = [input];
-            for mass_flow_kg_s in FLOWS {
-                let operating = Operating::plain(&inputs, mass_flow_kg_s);
+            for (mass_flow_kg_s, outlet_pa) in FLOWS.into_iter().flat_map(|flow| OUTLETS.map(|at| (flow, at)))
+            {
+                let plain = Operating::plain(&inputs, mass_flow_kg_s);
+                let operating = Operating { outlet_pa, memory: &MEMORY, ..plain };
                 let (element, operating) = (black_box(&element), black_box(&operating));
                 let mut law = None;
                 let count = counted(&mut || law = Some(evaluate(element, operating)));
