@@ -2,6 +2,7 @@
 
 use crate::firmware::ensure_set_up;
 use crate::process::run;
+use crate::test::{MOST, TESTS};
 use crate::toolchain::Toolchain;
 use crate::{Outcome, project, qemu};
 use std::process::Command;
@@ -13,19 +14,16 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
     }
     ensure_set_up()?;
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
-    let mut budget = Command::new("cargo");
-    budget.args([
-        "run",
-        "--profile",
-        "checked",
-        "--package",
-        "eclss-tests",
+    let mut build = Command::new("cargo");
+    build.arg("build").args(&TESTS[1..]).args(MOST).args([
         "--features",
-        "qemu",
+        "eclss-tests/qemu",
         "--bin",
         "budget",
-        "--",
     ]);
+    run(build.current_dir(project::root()))?;
+    let program = format!("budget{}", std::env::consts::EXE_SUFFIX);
+    let mut budget = Command::new(project::output_folder()?.join("checked").join(program));
     budget.args(arguments).current_dir(project::root());
     budget.env("ECLSS_COMPILER", toolchain.version().ok_or("the compiler does not answer")?);
     qemu::hand_over(&mut budget)?;

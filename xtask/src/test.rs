@@ -42,9 +42,13 @@ pub(crate) fn in_ci() -> bool {
 }
 
 /// Everything but the firmware application, of which only the board for computers can be built here.
-const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
+pub(crate) const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
 /// What the core offers to boards and files, and the real-time loop on a computer.
 const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/protocol,eclss-core/defmt";
+/// How tests are run but for those of costs. Stages that name the same packages share what was built for another.
+pub(crate) const TESTS: [&str; 5] = ["test", "--profile", "checked", "--exclude", "eclss-bench"];
+/// The same for the application.
+const APPLICATION_TESTS: [&str; 3] = ["test", "--profile", "checked"];
 const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-pc"];
 
 fn lints() -> Outcome {
@@ -58,8 +62,8 @@ fn lints() -> Outcome {
 }
 
 fn host_tests() -> Outcome {
-    cargo(&[&["test", "--profile", "checked", "--exclude", "eclss-bench"], &MOST[..]].concat())?;
-    cargo(&[&["test", "--profile", "checked"], &APPLICATION[..]].concat())?;
+    cargo(&[&TESTS[..], &MOST[..]].concat())?;
+    cargo(&[&APPLICATION_TESTS[..], &APPLICATION[..]].concat())?;
     // What costs are measured with is the profile that users run.
     cargo(&["test", "--release", "--package", "eclss-bench"])
 }
@@ -74,17 +78,7 @@ fn page() -> Outcome {
         println!("The page is not tested: {missing}.");
         return Ok(());
     }
-    cargo(&[
-        "test",
-        "--profile",
-        "checked",
-        "--package",
-        "eclss-host-sim",
-        "--features",
-        "browser,hil",
-        "--test",
-        "page",
-    ])
+    cargo(&[&TESTS[..], &MOST[..], &["--features", "eclss-host-sim/browser", "--test", "page"]].concat())
 }
 
 /// The client's own tests, against the bytes of the protocol's document. It needs nothing but the interpreter.
