@@ -12,11 +12,13 @@
 mod channel;
 mod curve;
 mod input;
+mod mover;
 mod output;
 
 pub use channel::{Calibration, Hold, InputChannel, OutputChannel, Point, Port, Scaling};
 pub use curve::Curve;
 pub use input::{Applied, InputState, Rejected};
+use mover::Mover;
 pub use output::OutputState;
 
 use crate::element::ParameterError;
@@ -272,17 +274,5 @@ impl<'a> Process<'a> {
     /// Whether every output has reached what it is going to.
     pub fn outputs_arrived(&self) -> bool {
         self.outputs.iter().all(OutputState::has_arrived)
-    }
-}
-
-/// `from` moved towards `to` by at most `most`.
-fn towards(from: f32, to: f32, most: f32) -> f32 {
-    let way = to - from;
-    if way.abs() <= most {
-        to
-    } else if way > 0.0 {
-        from + most
-    } else {
-        from - most
     }
 }

@@ -1,7 +1,7 @@
 //! From a raw sample to the value that the plant gets: judged, filtered, held, moved at its rate.
 
 use super::channel::{Hold, InputChannel};
-use super::{Quality, towards};
+use super::{Mover, Quality};
 use crate::mode::Inputs;
 
 /// Samples rejected since the start, by reason.
@@ -37,14 +37,18 @@ pub struct Applied {
 }
 
 impl Applied {
-    /// The same with a slope that ends within the channel's range: hardware has end stops.
+    /// The same with a slope that ends within the channel's range: hardware has end stops. A value that is outside,
+    /// where the plant has it from its start, is not led in by this: that is the channel's rate to do.
     pub(super) fn within(self, channel: &InputChannel<'_>, step_s: f32) -> Self {
         let end = self.value + self.slope_per_s * step_s;
-        if (channel.min..=channel.max).contains(&end) {
-            return self;
-        }
-        let stop = if end < channel.min { channel.min } else { channel.max };
-        Self { slope_per_s: (stop - self.value) / step_s, ..self }
+        let (rises, falls) = (self.slope_per_s > 0.0, self.slope_per_s < 0.0);
+        let stop = match self.value {
+            value if rises && end > channel.max => channel.max - value,
+            value if falls && end < channel.min => channel.min - value,
+            _ => return self,
+        };
+        let outward = (rises && stop > 0.0) || (falls && stop < 0.0);
+        Self { slope_per_s: if outward { stop / step_s } else { 0.0 }, ..self }
     }
 }
 
@@ -52,11 +56,13 @@ impl Applied {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputState {
     /// What the plant has.
-    value: f32,
+    value: Mover,
     /// Newest accepted sample, filtered, or what stands in for it.
     target: f32,
     /// Newest accepted sample.
     sample: f32,
+    /// The same, filtered.
+    filtered: Mover,
     /// Along which the target goes on [unit/s].
     slope_per_s: f32,
     /// Ticks since the newest accepted sample; `None` before the first.
@@ -73,9 +79,10 @@ impl InputState {
     /// Before the first sample.
     pub const fn new(value: f32) -> Self {
         Self {
-            value,
+            value: Mover::at(value),
             target: value,
             sample: value,
+            filtered: Mover::at(value),
             slope_per_s: 0.0,
             age_ticks: None,
             arrived: false,
@@ -107,7 +114,8 @@ impl InputState {
 
     /// Value and slope for the step that begins now.
     pub fn applied(&self) -> Applied {
-        Applied { value: self.value, slope_per_s: if self.arrived { self.slope_per_s } else { 0.0 } }
+        let slope_per_s = if self.arrived { self.slope_per_s } else { 0.0 };
+        Applied { value: self.value.value(), slope_per_s }
     }
 
     /// Whether the newest sample was accepted and is not too old.
@@ -116,7 +124,7 @@ impl InputState {
     }
 
     pub(super) fn start_from(&mut self, value: f32) {
-        self.value = value;
+        self.value = Mover::at(value);
         self.arrived = false;
     }
 
@@ -140,12 +148,12 @@ impl InputState {
             return;
         }
         if self.arrived {
-            self.value = self.target;
+            self.value = Mover::at(self.target);
             return;
         }
-        self.value = towards(self.value, self.target, channel.safe_rate_per_s * step_s);
+        let there = self.value.towards(self.target, channel.safe_rate_per_s * step_s);
         // A lost input never counts as arrived, so that it comes back at its rate as well.
-        self.arrived = self.value.to_bits() == self.target.to_bits() && self.quality != Quality::Lost;
+        self.arrived = there && self.quality != Quality::Lost;
         if !self.arrived && self.quality == Quality::Good {
             self.quality = Quality::Moving;
         }
@@ -176,7 +184,9 @@ impl InputState {
         if let Some(age) = self.age_ticks {
             // What was far away a while ago may be reached by now: no signal is rejected for ever.
             let ticks = age.saturating_add(1) as f32;
-            if (sample - self.sample).abs() > channel.max_rate_per_s * step_s * ticks {
+            // Who moves just as fast as is allowed is not refused for what rounding adds to either sample.
+            let rounding = 2.0 * f32::EPSILON * (sample.abs() + self.sample.abs());
+            if (sample - self.sample).abs() > channel.max_rate_per_s * step_s * ticks + rounding {
                 return count(&mut self.rejected.too_fast, Quality::TooFast);
             }
         }
@@ -186,24 +196,29 @@ impl InputState {
     }
 
     fn accept(&mut self, channel: &InputChannel<'_>, sample: f32, step_s: f32) {
-        let lost = |age: u32| age > u32::from(channel.stale_ticks);
-        let before = self.target;
         match self.age_ticks {
-            Some(age) if !lost(age) => {
-                // Backward Euler: stable for any time constant, and late by just this constant.
-                let share = step_s / (channel.filter_s + step_s);
-                self.target =
-                    if channel.filter_s > 0.0 { before + share * (sample - before) } else { sample };
+            Some(age) if age <= u32::from(channel.stale_ticks) => {
+                // Whoever sends less often than every tick is filtered and continued over just as much time.
+                let since_s = step_s * age.saturating_add(1) as f32;
+                let before = self.filtered.value();
+                if channel.filter_s > 0.0 {
+                    // Backward Euler: stable for any time constant, and late by just this constant.
+                    self.filtered.add(since_s / (channel.filter_s + since_s) * (sample - before));
+                } else {
+                    self.filtered = Mover::at(sample);
+                }
+                self.target = self.filtered.value();
                 let event = (sample - self.sample).abs() > channel.event_step;
                 let recent = age <= u32::from(channel.extrapolate_ticks);
-                self.slope_per_s = if channel.hold == Hold::Linear && recent && !event && age == 0 {
-                    (self.target - before) / step_s
+                self.slope_per_s = if channel.hold == Hold::Linear && recent && !event {
+                    (self.target - before) / since_s
                 } else {
                     0.0
                 };
             }
             _ => {
                 self.target = sample;
+                self.filtered = Mover::at(sample);
                 self.slope_per_s = 0.0;
                 self.arrived = false;
             }
@@ -220,10 +235,10 @@ impl InputState {
         }
         match age {
             Some(age) if age <= u32::from(channel.stale_ticks) => {
-                if age <= u32::from(channel.extrapolate_ticks) {
-                    let next = self.target + self.slope_per_s * step_s;
-                    self.target = next.clamp(channel.min, channel.max);
-                } else {
+                // The plant went along the slope in the tick before, so this is where it is.
+                let next = self.target + self.slope_per_s * step_s;
+                self.target = next.clamp(channel.min, channel.max);
+                if age > u32::from(channel.extrapolate_ticks) {
                     self.slope_per_s = 0.0;
                 }
                 self.quality = quality;
@@ -352,8 +367,12 @@ mod tests {
             assert!((got.slope_per_s - 10.0).abs() < 1e-2, "{got:?}");
         }
         let held = applied(&channel, &mut state, &[None; 5]);
-        for (got, expected) in held.iter().zip([0.51, 0.52, 0.53, 0.53, 0.53]) {
+        // The third tick without a sample ends at 0.54, and there it stays: nothing jumps back.
+        for (got, expected) in held.iter().zip([0.51, 0.52, 0.53, 0.54, 0.54]) {
             assert!((got.value - expected).abs() < 1e-5, "{got:?}, not {expected}");
+        }
+        for pair in held.windows(2) {
+            assert!((pair[0].value + pair[0].slope_per_s * H - pair[1].value).abs() < 1e-6, "{pair:?}");
         }
         assert_eq!(held[4].slope_per_s, 0.0);
         let mut state = arrived(&channel, 0.5);
@@ -370,6 +389,75 @@ mod tests {
         let got = applied(&channel, &mut state, &ramp);
         let late = (0.002 * 399.0 - got[399].value) / (0.002 / H);
         assert!((late - channel.delay_s()).abs() < 1e-5, "{late} s");
+    }
+
+    /// A controller of a third of the rate: the line goes through its two newest samples, and the filter's delay is the
+    /// same in time, not in samples.
+    #[test]
+    fn a_slower_controller_is_continued_and_filtered_in_its_own_time() {
+        let every_third: Vec<_> = (0..600).map(|n| (n % 3 == 0).then_some(0.001 * n as f32)).collect();
+        let channel = InputChannel { hold: Hold::Linear, ..CHANNEL };
+        let mut state = arrived(&channel, 0.0);
+        for (tick, got) in applied(&channel, &mut state, &every_third).iter().enumerate().skip(6) {
+            assert!((got.value - 0.001 * tick as f32).abs() < 1e-5, "{got:?} in tick {tick}");
+        }
+        let channel = InputChannel { filter_s: 0.01, ..CHANNEL };
+        let mut state = arrived(&channel, 0.0);
+        let got = applied(&channel, &mut state, &every_third);
+        let late = (0.001 * 597.0 - got[597].value) / (0.001 / H);
+        assert!((late - channel.delay_s()).abs() < 1e-4, "{late} s");
+    }
+
+    /// What moves at just the fastest rate that is believed is believed, wherever rounding puts it.
+    #[test]
+    fn the_fastest_rate_itself_is_no_mistake() {
+        let channel = InputChannel { max_rate_per_s: 4.0, ..CHANNEL };
+        let mut state = arrived(&channel, 0.0);
+        let ramp: Vec<_> = (0..=250).map(|n| Some(0.004 * n as f32)).collect();
+        applied(&channel, &mut state, &ramp);
+        assert_eq!(state.rejected().total(), 0);
+        assert_eq!(applied(&channel, &mut state, &[Some(1.0 - 0.0041)]).len(), 1);
+        assert_eq!(state.rejected().too_fast, 1);
+    }
+
+    /// A coolant temperature: a thousandth of a degree a second is less than half of the last digit in a tick, and so
+    /// is what a slow filter adds. Both get there all the same, in their time.
+    #[test]
+    fn slow_rates_and_filters_are_not_lost_in_the_last_digit() {
+        let coolant = InputChannel {
+            min: 270.0,
+            max: 320.0,
+            safe_value: 280.0,
+            safe_rate_per_s: 0.001,
+            event_step: 10.0,
+            max_rate_per_s: f32::INFINITY,
+            ..CHANNEL
+        };
+        let mut state = InputState::new(290.0);
+        let got = applied(&coolant, &mut state, &[Some(290.1); 60_000]);
+        let moved = got[59_999].value - 290.0;
+        assert!((moved - 0.06).abs() < 1e-4, "{moved} K in a minute");
+        let filtered = InputChannel { filter_s: 10.0, safe_rate_per_s: 10.0, ..coolant };
+        let mut state = arrived(&filtered, 290.0);
+        let got = applied(&filtered, &mut state, &[Some(290.1); 60_000]);
+        let short = 290.1 - got[59_999].value;
+        assert!((short - 0.1 * (-6.0_f32).exp()).abs() < 1e-4, "{short} K short after six time constants");
+    }
+
+    /// A plant that starts outside of what hardware can set is led in at the channel's rate, also within the step.
+    #[test]
+    fn a_start_beyond_the_range_is_left_at_the_rate() {
+        let channel = InputChannel { max: 0.5, hold: Hold::Linear, ..CHANNEL };
+        let mut state = InputState::new(0.0);
+        state.start_from(0.9);
+        for got in applied(&channel, &mut state, &[Some(0.3); 30]) {
+            let within = got.within(&channel, H);
+            assert_eq!((within.value, within.slope_per_s), (got.value, 0.0));
+        }
+        let up = Applied { value: 0.499, slope_per_s: 10.0 }.within(&channel, H);
+        assert!((up.slope_per_s - 1.0).abs() < 1e-3, "{up:?}");
+        let down = Applied { value: 0.9, slope_per_s: -10.0 }.within(&channel, H);
+        assert_eq!(down.slope_per_s, -10.0);
     }
 
     /// The plant's value does not jump when inputs are applied, and is not touched before.

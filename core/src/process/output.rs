@@ -1,13 +1,13 @@
 //! From a point of the plant to the raw value that hardware gets.
 
 use super::channel::OutputChannel;
-use super::{Quality, towards};
+use super::{Mover, Quality};
 use crate::mode::Outputs;
 
 /// One output channel at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputState {
-    value: f32,
+    value: Mover,
     arrived: bool,
     quality: Quality,
     /// Values limited to the range since the start.
@@ -19,17 +19,23 @@ pub struct OutputState {
 impl OutputState {
     /// At its safe value.
     pub const fn new(safe_value: f32) -> Self {
-        Self { value: safe_value, arrived: false, quality: Quality::Unknown, saturated: 0, not_finite: 0 }
+        Self {
+            value: Mover::at(safe_value),
+            arrived: false,
+            quality: Quality::Unknown,
+            saturated: 0,
+            not_finite: 0,
+        }
     }
 
     /// What goes out, in the point's unit.
     pub fn value(&self) -> f32 {
-        self.value
+        self.value.value()
     }
 
     /// What goes out, in raw counts.
     pub fn raw(&self, channel: &OutputChannel<'_>) -> f32 {
-        channel.scaling.to_raw(self.value)
+        channel.scaling.to_raw(self.value())
     }
 
     /// What it is worth.
@@ -61,7 +67,7 @@ impl OutputState {
         };
         let Some(point) = follows.filter(|point| point.is_finite()) else {
             self.not_finite = self.not_finite.saturating_add(u32::from(follows.is_some()));
-            self.value = towards(self.value, channel.safe_value, safe_way);
+            self.value.towards(channel.safe_value, safe_way);
             self.arrived = false;
             self.quality = if follows.is_some() { Quality::NotFinite } else { Quality::Lost };
             return;
@@ -70,8 +76,7 @@ impl OutputState {
         let limited = target.to_bits() != point.to_bits();
         self.saturated = self.saturated.saturating_add(u32::from(limited));
         let way = if self.arrived { channel.max_rate_per_s * step_s } else { safe_way };
-        self.value = towards(self.value, target, way);
-        let there = self.value.to_bits() == target.to_bits();
+        let there = self.value.towards(target, way);
         self.arrived |= there;
         self.quality = match (there, limited) {
             (false, _) => Quality::Moving,
@@ -122,6 +127,17 @@ mod tests {
         assert_eq!(state.value(), -0.05);
         run(&mut state, 200, 0.09, Outputs::Safe);
         assert_eq!((state.value(), state.quality(), state.has_arrived()), (0.0, Quality::Lost, false));
+    }
+
+    /// An absolute pressure at a rate that is less than half of its last digit in a tick.
+    #[test]
+    fn a_slow_way_is_gone_in_its_time() {
+        let cabin = OutputChannel { min: 0.0, max: 2e5, safe_value: 1e5, safe_rate_per_s: 2.0, ..CHANNEL };
+        let mut state = OutputState::new(cabin.safe_value);
+        for _ in 0..10_000 {
+            state.emit(&cabin, 101_325.0, H, Outputs::Approach);
+        }
+        assert!((state.value() - 100_020.0).abs() < 0.02, "{}", state.value());
     }
 
     #[test]
