@@ -23,7 +23,7 @@ pub use output::OutputState;
 
 use crate::element::ParameterError;
 use crate::mode::Conduct;
-use crate::{Fingerprint, Network};
+use crate::{Fingerprint, InputError, Network};
 
 /// Most channels in each direction.
 pub const CHANNELS: usize = 64;
@@ -59,7 +59,7 @@ pub enum Quality {
 }
 
 /// Why a process image was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ProcessError {
     /// More than [`CHANNELS`] in one direction.
@@ -68,18 +68,32 @@ pub enum ProcessError {
     Input(u16, ParameterError),
     /// A parameter of an output channel.
     Output(u16, ParameterError),
-    /// An input channel names a slot that does not exist or follows a schedule.
-    Slot(u16),
+    /// An input channel names a slot that takes no value from outside.
+    Slot(u16, InputError),
     /// Two input channels drive one slot.
     SlotTwice(u16),
     /// An input channel's range is wider than the slot's.
     SlotRange(u16),
     /// An output channel names a point that does not exist.
     Point(u16),
+    /// A channel in this direction names a converter that no board has.
+    Converter(Direction, u16),
+    /// Two output channels go to one converter.
+    ConverterTwice(u16),
     /// SAFE after no tick at all.
     SafeAfter,
     /// There are fewer states than channels.
     States,
+}
+
+/// Which way a channel goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Direction {
+    /// From hardware to the plant.
+    In,
+    /// From the plant to hardware.
+    Out,
 }
 
 /// When in a tick outputs are given out.
@@ -120,8 +134,8 @@ impl Image<'_> {
         !self.inputs.is_empty() || !self.outputs.is_empty()
     }
 
-    /// Finds the first thing wrong with the description, by itself and for `network`. The range of a slot is its
-    /// element's to know: [`crate::Element::input_spec`].
+    /// Finds the first thing wrong with the description, by itself and for `network`, whose elements know which slots
+    /// take values from outside and in which range: [`Network::live_input`].
     pub fn check<E: crate::Element>(&self, network: &Network<'_, E>) -> Result<(), ProcessError> {
         if self.inputs.len() > CHANNELS || self.outputs.len() > CHANNELS {
             return Err(ProcessError::TooMany);
@@ -131,16 +145,16 @@ impl Image<'_> {
         }
         for (index, channel) in (0u16..).zip(self.inputs) {
             channel.check().map_err(|error| ProcessError::Input(index, error))?;
-            let driven = network.schedules.iter().any(|schedule| schedule.input == channel.slot);
-            if driven || channel.slot as usize >= network.inputs.len() {
-                return Err(ProcessError::Slot(index));
+            let live = network.live_input(channel.slot as usize);
+            let (least, most) = live.map_err(|error| ProcessError::Slot(index, error))?.range();
+            if !channel.port.exists() {
+                return Err(ProcessError::Converter(Direction::In, index));
             }
             let earlier = self.inputs.get(..usize::from(index)).unwrap_or(&[]);
             if earlier.iter().any(|other| other.slot == channel.slot) {
                 return Err(ProcessError::SlotTwice(index));
             }
-            let spec = spec_of(network, channel.slot).ok_or(ProcessError::Slot(index))?;
-            if channel.min < spec.min || channel.max > spec.max {
+            if channel.min < least || channel.max > most {
                 return Err(ProcessError::SlotRange(index));
             }
         }
@@ -148,6 +162,13 @@ impl Image<'_> {
             channel.check().map_err(|error| ProcessError::Output(index, error))?;
             if !channel.point.exists(network) {
                 return Err(ProcessError::Point(index));
+            }
+            if !channel.port.exists() {
+                return Err(ProcessError::Converter(Direction::Out, index));
+            }
+            let earlier = self.outputs.get(..usize::from(index)).unwrap_or(&[]);
+            if channel.port != Port::Link && earlier.iter().any(|other| other.port == channel.port) {
+                return Err(ProcessError::ConverterTwice(index));
             }
         }
         Ok(())
@@ -168,13 +189,6 @@ impl Image<'_> {
         }
         hash.finish()
     }
-}
-
-fn spec_of<E: crate::Element>(network: &Network<'_, E>, slot: u32) -> Option<crate::InputSpec> {
-    network.segments.iter().find_map(|segment| {
-        let index = slot.checked_sub(segment.first_input)?;
-        segment.element.input_spec(index as usize)
-    })
 }
 
 /// A process image at run time.
@@ -274,5 +288,75 @@ impl<'a> Process<'a> {
     /// Whether every output has reached what it is going to.
     pub fn outputs_arrived(&self) -> bool {
         self.outputs.iter().all(OutputState::has_arrived)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Interpolation, Schedule, SchedulePoint, example};
+
+    const VALVE: InputChannel<'_> = InputChannel {
+        slot: 1,
+        port: Port::Link,
+        scaling: Scaling::NONE,
+        min: 0.0,
+        max: 1.0,
+        saturates: false,
+        max_rate_per_s: 4.0,
+        filter_s: 0.0,
+        hold: Hold::Zero,
+        extrapolate_ticks: 1,
+        event_step: 0.1,
+        stale_ticks: 10,
+        safe_value: 0.5,
+        safe_rate_per_s: 1.0,
+        essential: true,
+    };
+    const FLOW: OutputChannel<'_> = OutputChannel {
+        point: Point::LineFlow(0),
+        port: Port::Analog(0),
+        scaling: Scaling::NONE,
+        min: 0.0,
+        max: 0.1,
+        max_rate_per_s: 1.0,
+        safe_value: 0.0,
+        safe_rate_per_s: 1.0,
+    };
+
+    fn check(inputs: &[InputChannel<'_>], outputs: &[OutputChannel<'_>]) -> Result<(), ProcessError> {
+        Image { inputs, outputs, ..Image::EMPTY }.check(&example::paper_loop())
+    }
+
+    #[test]
+    fn what_cannot_be_bound_is_refused_by_name() {
+        assert_eq!(check(&[VALVE], &[FLOW, OutputChannel { port: Port::Analog(1), ..FLOW }]), Ok(()));
+        let input = |channel: InputChannel<'_>| check(&[VALVE, channel], &[]).unwrap_err();
+        assert_eq!(input(InputChannel { slot: 9, ..VALVE }), ProcessError::Slot(1, InputError::NoSuchSlot));
+        assert_eq!(input(VALVE), ProcessError::SlotTwice(1));
+        assert_eq!(check(&[InputChannel { max: 1.5, ..VALVE }], &[]), Err(ProcessError::SlotRange(0)));
+        let far = Port::Analog(CONVERTERS as u16);
+        assert_eq!(
+            check(&[InputChannel { port: far, ..VALVE }], &[]),
+            Err(ProcessError::Converter(Direction::In, 0))
+        );
+        assert_eq!(
+            check(&[], &[OutputChannel { port: far, ..FLOW }]),
+            Err(ProcessError::Converter(Direction::Out, 0))
+        );
+        assert_eq!(check(&[], &[FLOW, FLOW]), Err(ProcessError::ConverterTwice(1)));
+        let point = Point::NodeGauge(7);
+        assert_eq!(check(&[], &[OutputChannel { point, ..FLOW }]), Err(ProcessError::Point(0)));
+    }
+
+    /// What the simulator would not take from a channel is no channel's to drive.
+    #[test]
+    fn a_slot_that_a_schedule_drives_takes_no_channel() {
+        let points = [SchedulePoint { time_us: 0, value: 1.0 }];
+        let schedules =
+            [Schedule { input: 1, first_point: 0, points: 1, interpolation: Interpolation::Hold }];
+        let network = Network { schedules: &schedules, points: &points, ..example::paper_loop() };
+        let refused = Image { inputs: &[VALVE], ..Image::EMPTY }.check(&network);
+        assert_eq!(refused, Err(ProcessError::Slot(0, InputError::Scheduled)));
     }
 }

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use eclss_core::InputSpec;
 use eclss_core::process::{
-    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, ProcessError, Scaling,
+    Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Point, Port,
+    ProcessError, Scaling,
 };
 
 use crate::document::{ChannelEntry, NetworkFile};
@@ -288,11 +289,19 @@ pub(crate) fn check(loaded: &Loaded, notes: &mut Notes) {
         ProcessError::Output(index, error) => {
             (channel("out", index), reason::keys_of(error.parameter), reason::text(error))
         }
-        ProcessError::Slot(index) | ProcessError::SlotTwice(index) => (
-            channel("in", index),
-            &["bind"],
-            "the input follows a schedule, so no hardware can drive it".into(),
-        ),
+        ProcessError::Slot(index, error) => {
+            (channel("in", index), &["bind"], format!("no hardware can drive the input: {error}"))
+        }
+        ProcessError::SlotTwice(index) => {
+            (channel("in", index), &["bind"], "another channel drives the input".into())
+        }
+        ProcessError::Converter(direction, index) => {
+            let words = if direction == Direction::In { "in" } else { "out" };
+            (channel(words, index), &["analog"], "no board has this converter".into())
+        }
+        ProcessError::ConverterTwice(index) => {
+            (channel("out", index), &["analog"], "another output goes to this converter".into())
+        }
         ProcessError::SlotRange(index) => {
             (channel("in", index), &["min", "max"], "the range is wider than the input's own".into())
         }

@@ -62,7 +62,26 @@ fn what_is_wrong_is_refused_at_its_place() {
     spoil("safe_value = 0.5", "analog = 64\nsafe_value = 0.5", "`analog` must lie in 0 … 15");
     let scheduled = format!("{HIL}\n[[schedule]]\ninput = \"valve.opening\"\npoints = [[0.0, 1.0]]\n");
     let error = parse(&scheduled, "hil.toml").unwrap_err().to_string();
-    assert!(error.contains("follows a schedule, so no hardware can drive it"), "{error}");
+    assert!(error.contains("no hardware can drive the input: it follows a schedule"), "{error}");
+    let twice = HIL
+        .replace("min = -0.02", "analog = 1\nmin = -0.02")
+        .replace("min = -500.0", "analog = 1\nmin = -500.0");
+    let error = parse(&twice, "hil.toml").unwrap_err().to_string();
+    assert!(error.contains("another output goes to this converter"), "{error}");
+}
+
+/// Hardware may be a heater's switch or a crew's load as well as a valve, but not what a control loop drives.
+#[test]
+fn climates_have_inputs_for_hardware_too() {
+    const THCS: &str = include_str!("../../networks/thcs.toml");
+    let bound = |input: &str, safe_value: f32| {
+        let channel = format!("bind = \"{input}\"\ndirection = \"in\"\nsafe_value = {safe_value}");
+        parse(&format!("{THCS}\n[[channel]]\n{channel}\n"), "thcs.toml")
+    };
+    let loaded = bound("cold_plate.power", 0.0).expect("it is free");
+    assert_eq!(loaded.process.inputs.len(), 1);
+    let error = bound("che_valve.opening", 0.5).unwrap_err().to_string();
+    assert!(error.contains("no hardware can drive the input: a control loop drives it"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Description of a channel: what it is bound to, how it is scaled, how far and how fast it may go.
 
-use super::Curve;
+use super::{CONVERTERS, Curve};
 use crate::element::{ParameterError, Reason};
 use crate::{Element, Fingerprint, Network};
 
@@ -11,6 +11,16 @@ pub enum Port {
     Link,
     /// One of the board's converters by number; raw is its count.
     Analog(u16),
+}
+
+impl Port {
+    /// Whether a board can have it.
+    pub(super) fn exists(self) -> bool {
+        match self {
+            Self::Link => true,
+            Self::Analog(number) => usize::from(number) < CONVERTERS,
+        }
+    }
 }
 
 /// Who calibrated a signal, and when.

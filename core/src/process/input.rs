@@ -434,12 +434,12 @@ mod tests {
             ..CHANNEL
         };
         let mut state = InputState::new(290.0);
-        let got = applied(&coolant, &mut state, &[Some(290.1); 60_000]);
+        let got = applied(&coolant, &mut state, &std::vec![Some(290.1); 60_000]);
         let moved = got[59_999].value - 290.0;
         assert!((moved - 0.06).abs() < 1e-4, "{moved} K in a minute");
         let filtered = InputChannel { filter_s: 10.0, safe_rate_per_s: 10.0, ..coolant };
         let mut state = arrived(&filtered, 290.0);
-        let got = applied(&filtered, &mut state, &[Some(290.1); 60_000]);
+        let got = applied(&filtered, &mut state, &std::vec![Some(290.1); 60_000]);
         let short = 290.1 - got[59_999].value;
         assert!((short - 0.1 * (-6.0_f32).exp()).abs() < 1e-4, "{short} K short after six time constants");
     }

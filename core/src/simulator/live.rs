@@ -6,9 +6,9 @@
 //! `docs/hil-host.md`).
 
 use super::Simulator;
-use crate::Method;
 use crate::element::Element;
 use crate::method::implicit;
+use crate::{Method, Network};
 
 /// Why an input was not taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,20 +89,20 @@ impl LiveInput {
     }
 }
 
-impl<E: Element> Simulator<'_, E> {
-    /// Looks up an input slot that is to be set from outside.
+impl<E: Element> Network<'_, E> {
+    /// Looks up an input slot that is to be set from outside: by an operator, or by a channel of a process image.
     pub fn live_input(&self, slot: usize) -> Result<LiveInput, InputError> {
-        if slot >= self.network.inputs.len() {
+        if slot >= self.inputs.len() {
             return Err(InputError::NoSuchSlot);
         }
-        if self.network.schedules.iter().any(|schedule| schedule.input as usize == slot) {
+        if self.schedules.iter().any(|schedule| schedule.input as usize == slot) {
             return Err(InputError::Scheduled);
         }
-        if self.network.climate.drives(slot) {
+        if self.climate.drives(slot) {
             return Err(InputError::Controlled);
         }
-        let mut range = self.network.climate.spec_of(slot).map(|spec| (spec.min, spec.max));
-        for segment in self.network.segments {
+        let mut range = self.climate.spec_of(slot).map(|spec| (spec.min, spec.max));
+        for segment in self.segments {
             let index = slot.checked_sub(segment.first_input as usize);
             if let Some(spec) = index.and_then(|index| segment.element.input_spec(index)) {
                 let (min, max) = range.unwrap_or((spec.min, spec.max));
@@ -112,6 +112,13 @@ impl<E: Element> Simulator<'_, E> {
         }
         let (min, max) = range.ok_or(InputError::Unused)?;
         Ok(LiveInput { slot, min, max })
+    }
+}
+
+impl<E: Element> Simulator<'_, E> {
+    /// Looks up an input slot that is to be set from outside.
+    pub fn live_input(&self, slot: usize) -> Result<LiveInput, InputError> {
+        self.network.live_input(slot)
     }
 
     /// Sets an input for the coming steps, as an operator does; it holds until it is set again.
