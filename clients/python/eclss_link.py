@@ -15,6 +15,8 @@ MODES = ("POWERUP", "INIT", "READY", "RUN", "HOLD", "SAFE")
 REQUESTS = ("arm", "hold", "resume", "disarm", "acknowledge", "restart", "stop")
 REFUSALS = ("role", "network", "process", "step")
 OUTCOMES = ("mode", "value", "refused", "no such parameter", "out of range", "busy")
+# Qualities of values that are meant: good, limited, on their way. Everything else stands in for something.
+MEANT = (0, 3, 9)
 HELLO, REFUSED, DATA, COMMAND, ACK = range(5)
 
 
@@ -213,7 +215,7 @@ class Link:
         self._peer = self._session = None
         self._newest, self._came = 0, set()
         self._sequence = self._quiet = self._until_hello = 0
-        self._answer = False
+        self._answer, self._refuse = False, None
         self._echo, self._told, self._arrived_us = (0, 0), 0, 0
         self._command, self._wait, self._next_id = None, 0, 0
         self.ack = None
@@ -261,6 +263,13 @@ class Link:
         fresh, self._fresh = self._fresh, False
         return self.data if fresh else None
 
+    def value(self, index: int):
+        """Value `index` of the newest data; None where there is none or the plant does not vouch for it."""
+        values, quality = (self.data["values"], self.data["quality"]) if self.data else ((), ())
+        if index >= len(values) or (index < len(quality) and quality[index] not in MEANT):
+            return None
+        return values[index]
+
     def command(self, *words) -> bool:
         """`command("arm")`, `command("set", 3, 0.5)`, `command("get", 3)`; False while another is on its way."""
         if self._command is not None or self._session is None:
@@ -283,6 +292,10 @@ class Link:
             self.nonce = (self.nonce + 1) & 0xFFFFFFFF or 1
             self._until_hello = 0
         out = b""
+        if self._refuse is not None:
+            reason, nonce = self._refuse
+            self._refuse = None
+            out += self._packet(0, 0, tick, now_us, REFUSED, varint(REFUSALS.index(reason)) + varint(nonce))
         due = self._session is None and self._until_hello == 0
         self._until_hello = self.hello_ticks if due else max(self._until_hello - 1, 0)
         if due or self._answer:
@@ -300,7 +313,7 @@ class Link:
             self._wait -= 1
         if values is None:
             return out
-        age = max(now_us - self._arrived_us, 0) & 0xFFFFFFFF
+        age = min(max(now_us - self._arrived_us, 0), 0xFFFFFFFF)
         body = varint(MODES.index("RUN")) + b"\0" + varint(self._echo[0]) + varint(self._echo[1]) + varint(age)
         body += varint(len(values)) + struct.pack(f"<{len(values)}f", *values) + varint(0) + varint(0)
         return out + self._next(tick, now_us, DATA, body)
@@ -335,14 +348,22 @@ class Link:
             self.counters.foreign += 1
 
     def _hello(self, hello: dict):
-        ours = (PLANT, self.network_id, self.process_id, self.step_us, self.inputs, self.outputs)
-        theirs = tuple(hello[k] for k in ("role", "network_id", "process_id", "step_us", "inputs", "outputs"))
-        if ours != theirs:
+        pairs = (
+            ("role", hello["role"] == PLANT),
+            ("network", hello["network_id"] == self.network_id),
+            ("process", all(hello[k] == getattr(self, k) for k in ("process_id", "inputs", "outputs"))),
+            ("step", hello["step_us"] == self.step_us),
+        )
+        wrong = [reason for reason, agrees in pairs if not agrees]
+        if wrong:
             self.counters.foreign += 1
+            self._refuse = (wrong[0], hello["nonce"])
             return
         self.counters.handshake += 1
         if self._session is not None:
-            self._answer = self._peer == hello["nonce"] and hello["echo"] != self.nonce
+            # Not to one that has spoken in this session: it started anew with the same number.
+            asks = self._peer == hello["nonce"] and hello["echo"] != self.nonce
+            self._answer = asks and not self._newest
             return
         self._peer = hello["nonce"]
         if hello["echo"] == self.nonce:

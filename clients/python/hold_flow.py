@@ -81,10 +81,13 @@ def main() -> int:
                 mode = data["mode"]
                 modes.append(mode)
                 last = link.tick
-            flow = data["values"][0]
+            # What the plant does not vouch for is no measurement: the valve stays where it is.
+            measured = link.value(0)
+            flow = flow if measured is None else measured
             if mode == "RUN":
                 first_run = link.tick if first_run is None else first_run
                 run_ticks = link.tick - first_run
+            if mode == "RUN" and measured is not None:
                 error, passed_s = args.set_point - flow, (link.tick - last) * step_s
                 total = min(max(total + ki * error * passed_s, 0.02), 1.0)
                 most = rate_per_s * passed_s

@@ -74,6 +74,33 @@ class Sessions(unittest.TestCase):
         link.feed(self.data(session ^ 1, 6, 6), 0)
         self.assertEqual((link.take_data(), counters.foreign), (None, 1))
 
+    def test_only_values_that_the_plant_vouches_for_are_used(self):
+        link = e.Link(9, 42, 1000, 1, 2, nonce=7)
+        self.assertIsNone(link.value(0))
+        link.data = {"values": [1.5, 2.5, 3.5], "quality": [0, 8]}
+        self.assertEqual([link.value(index) for index in range(4)], [1.5, None, 3.5, None])
+
+    def test_a_plant_that_started_anew_with_the_same_number_gets_no_answer(self):
+        link = e.Link(9, 42, 1000, 1, 2, nonce=7)
+        link.feed(self.plant(5, 7), 0)
+        link.send_tick(0, 0, [])
+        link.feed(self.plant(5, 0), 0)
+        self.assertEqual(self.hellos(link.send_tick(1, 1000, [])), 1, "it may not have heard of us yet")
+        link.feed(self.data(link._session, 1, 1.0), 0)
+        link.feed(self.plant(5, 0), 0)
+        self.assertEqual(self.hellos(link.send_tick(2, 2000, [])), 0)
+
+    def hellos(self, sent):
+        packets = [e.read_packet(frame) for frame in sent.split(b"\0") if frame]
+        return sum(packet.kind == e.HELLO for packet in packets)
+
+    def test_another_network_is_refused_by_name(self):
+        link = e.Link(10, 42, 1000, 1, 2, nonce=7)
+        link.feed(self.plant(5, 7), 0)
+        packets = [e.read_packet(frame) for frame in link.send_tick(1, 1000, []).split(b"\0") if frame]
+        refused = [packet.body for packet in packets if packet.kind == e.REFUSED]
+        self.assertEqual(refused, [{"reason": "network", "echo": 5}])
+
     def test_another_network_is_refused_and_silence_ends_a_session(self):
         link = e.Link(10, 42, 1000, 1, 2, nonce=7)
         link.feed(self.plant(5, 7), 0)

@@ -248,7 +248,7 @@ impl Link {
         &self.counters
     }
 
-    /// The peer's clock.
+    /// The peer's clock, as far as this session knows it: a peer that started anew has another one.
     pub fn clock(&self) -> &Clock {
         &self.clock
     }
@@ -261,11 +261,7 @@ impl Link {
     /// Packets of this session that the peer has not said to have got. What is sent faster than it is taken only grows
     /// old in a queue: where this is more than a few, [`Self::send_quiet_tick`] is better.
     pub fn under_way(&self) -> u32 {
-        self.sequence.wrapping_sub(if self.received.sequence == 0 {
-            0
-        } else {
-            self.received.data.echo.sequence
-        })
+        self.sequence.wrapping_sub(self.told)
     }
 
     /// Ends a tick: whatever has to be said in it goes to [`Self::outgoing`].
@@ -292,7 +288,7 @@ impl Link {
         }
         if let Some(pending) = &mut self.pending {
             let due = pending.wait == 0;
-            pending.wait = if due { self.config.resend_ticks } else { pending.wait - 1 };
+            pending.wait = if due { self.config.resend_ticks } else { pending.wait }.saturating_sub(1);
             let frame = pending.frame;
             if due {
                 self.send(tick, now_us, Body::Command(frame));

@@ -1,5 +1,6 @@
 //! What becomes of each packet that comes in, and how one goes out.
 
+use super::super::clock::Clock;
 use super::super::frame;
 use super::super::message::{Ack, Body, Hello, Outcome, Packet, Refused, RefusedReason, Role, VERSION};
 use super::super::window::{Arrival, Window};
@@ -77,8 +78,11 @@ impl Link {
         }
         self.counters.handshake = self.counters.handshake.saturating_add(1);
         if self.session.is_some() {
-            // One from before we agreed, or a peer that started anew, for whom this session must run dry first.
-            self.answer = self.peer_nonce == Some(hello.nonce) && hello.echo != self.nonce;
+            // One from before we agreed, or a peer that started anew, for whom this session must run dry first. A
+            // peer that has spoken in it knows our number: if it asks for that again it has started anew with the
+            // same number of its own, and an answer would join it to the old session.
+            let asks = self.peer_nonce == Some(hello.nonce) && hello.echo != self.nonce;
+            self.answer = asks && self.window == Window::default();
             return;
         }
         self.peer_nonce = Some(hello.nonce);
@@ -94,6 +98,7 @@ impl Link {
         self.counters.sessions = self.counters.sessions.saturating_add(1);
         self.refused = None;
         self.window = Window::default();
+        self.clock = Clock::default();
         self.sequence = 0;
         self.quiet = 0;
         (self.heard, self.told) = ((0, 0, 0), 0);

@@ -135,6 +135,92 @@ fn an_end_that_started_anew_is_found_again() {
     }
 }
 
+/// An end that started anew with the number that it had before, as boards without a noise source do: the dead session
+/// runs dry first, so that neither its numbers nor its commands come through to the new run.
+#[test]
+fn an_end_that_started_anew_with_the_same_number_is_not_joined_to_the_old_session() {
+    for restarted in [0, 1] {
+        let mut wire = Wire::new();
+        wire.run(20);
+        let other = 1 - restarted;
+        // Its command is on its way and never gets an answer of the old run.
+        wire.ends[other].command(Command::Mode(Request::Arm));
+        let config = wire.ends[restarted].config;
+        wire.ends[restarted] = Link::new(config, 1);
+        for _ in 0..60 {
+            wire.tick(|_, _| ());
+            assert_eq!(wire.ends[restarted].take_command(), None, "a command of the old session");
+        }
+        assert!(wire.connected());
+        assert_eq!(wire.ends.each_ref().map(|end| end.counters().lost), [0, 0]);
+        let newest = wire.got.each_ref().map(|got| got.last().unwrap().0);
+        assert_eq!(newest, [80, 80]);
+    }
+}
+
+/// A peer whose clock began anew: offset and drift are those of the session, not of two clocks.
+#[test]
+fn the_clock_of_a_peer_that_started_anew_is_another_one() {
+    let mut wire = Wire::new();
+    wire.run(3_000);
+    assert_eq!(wire.ends[0].clock().drift_ppb(), Some(0));
+    wire.ends[1] = Link::new(wire.ends[1].config, 999);
+    // The peer's clock is now an hour behind.
+    let now = |tick: u64| 3_600_000_000 + 1_000 * tick;
+    for tick in 3_000..6_000 {
+        let values = Outgoing { mode: Mode::Ready, ..Outgoing::default() };
+        wire.ends[0].send_tick(tick, now(tick), &values);
+        wire.ends[1].send_tick(tick, 1_000 * tick, &values);
+        let bytes = wire.ends.each_mut().map(|end| {
+            let bytes = end.outgoing().to_vec();
+            end.sent(bytes.len());
+            bytes
+        });
+        wire.ends[0].feed(&bytes[1], now(tick) + 300);
+        wire.ends[1].feed(&bytes[0], 1_000 * tick + 300);
+    }
+    assert!(wire.connected());
+    let clock = wire.ends[0].clock();
+    assert_eq!(clock.estimate().map(|estimate| estimate.offset_us), Some(-3_600_000_000));
+    assert_eq!(clock.drift_ppb(), Some(0));
+}
+
+/// Right after a link has come back nothing of the old session counts as under way.
+#[test]
+fn what_is_under_way_begins_anew_with_the_session() {
+    let mut wire = Wire::new();
+    wire.run(500);
+    assert!(wire.ends[1].under_way() <= 2, "{}", wire.ends[1].under_way());
+    for _ in 0..30 {
+        wire.tick(|_, bytes| bytes.clear());
+    }
+    for _ in 0..10 {
+        wire.tick(|_, _| ());
+        for end in wire.ends.iter().filter(|end| end.is_connected()) {
+            assert!(end.under_way() <= 4, "{}", end.under_way());
+        }
+    }
+    assert!(wire.connected());
+}
+
+/// A command that gets no answer is sent again after just so many ticks.
+#[test]
+fn a_command_is_repeated_at_its_interval() {
+    let mut wire = Wire::new();
+    wire.run(10);
+    wire.ends[1].command(Command::Mode(Request::Arm));
+    let before = wire.ends[1].sent_packets();
+    for _ in 0..=4 * CONFIG.resend_ticks {
+        wire.tick(|index, bytes| {
+            if index == 1 {
+                bytes.clear();
+            }
+        });
+    }
+    // One packet of data a tick, and five times the command.
+    assert_eq!(wire.ends[1].sent_packets() - before, 4 * CONFIG.resend_ticks + 1 + 5);
+}
+
 /// Every way to lose, repeat, hold back or damage a packet has its own count, and the sums come out.
 #[test]
 fn every_packet_is_accounted_for() {
