@@ -87,7 +87,7 @@ pub enum Inputs {
     Applied,
 }
 
-/// What the plant does. Its clock is its tick: it runs exactly when the plant steps.
+/// What the plant does. Its clock is its tick: it runs exactly when the plant steps, which it does in INIT as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlantDoes {
     /// There is none yet.
@@ -457,7 +457,8 @@ mod tests {
             assert_eq!((row.mode, mode.conduct().mode), (mode, mode));
             let words: [String; 3] =
                 [format!("{:?}", row.inputs), format!("{:?}", row.plant), format!("{:?}", row.outputs)];
-            let clock = if row.plant == PlantDoes::Steps { "runs" } else { "stands" };
+            let steps = matches!(row.plant, PlantDoes::Starts | PlantDoes::Steps);
+            let clock = if steps { "runs" } else { "stands" };
             let row = format!(
                 "| {} | {} | {clock} |",
                 mode.name(),

@@ -115,7 +115,7 @@ pub struct Image<'a> {
     pub outputs: &'a [OutputChannel<'a>],
     /// When outputs are given out.
     pub order: Order,
-    /// Ticks without data from a link that brings inputs after which the plant goes to SAFE; at least 1.
+    /// Ticks without data from a link that brings inputs that the plant may run on; one more leads to SAFE. At least 1.
     pub safe_after_ticks: u32,
 }
 

@@ -25,7 +25,7 @@ pub struct Settings {
     pub startup_ticks: u32,
     /// Overruns in a row after which the loop goes to SAFE; at least 1.
     pub overruns_to_safe: u32,
-    /// Lag of the plant's clock behind the wall's beyond which the loop goes to SAFE \[µs\].
+    /// Lag of the plant's clock behind the wall's, since it was armed, beyond which the loop goes to SAFE \[µs\].
     pub lag_to_safe_us: u64,
     /// Whether to start in SAFE, as after a fault.
     pub start_safe: bool,
@@ -97,6 +97,10 @@ struct Loop {
     trust: Result<(), Untrusted>,
     /// Whether INIT has brought the plant to its start since it was last restarted.
     ready: bool,
+    /// How far the plant is behind since it was armed \[µs\].
+    lag_us: u64,
+    /// What of the account's lag came while it was to stand \[µs\].
+    stood_us: u64,
 }
 
 /// Runs the loop until [`Settings::ticks`] have run; `tell` takes events and must not wait.
@@ -114,7 +118,14 @@ pub async fn run<B: Board, P: Plant>(
     let first_us = board.now_us() + u64::from(period_us.get());
     let mut schedule = Schedule::new(first_us, period_us);
     let mut account = Account::new(first_us, period_us, settings.startup_ticks);
-    let mut state = Loop { machine: Machine::new(), was: Mode::PowerUp, trust: Ok(()), ready: false };
+    let mut state = Loop {
+        machine: Machine::new(),
+        was: Mode::PowerUp,
+        trust: Ok(()),
+        ready: false,
+        lag_us: 0,
+        stood_us: 0,
+    };
     if settings.start_safe {
         state.fail(Cause::Reset, board, coupling, 0, &mut tell);
         board.safe_outputs();
@@ -166,7 +177,7 @@ pub async fn run<B: Board, P: Plant>(
         if skipped > 0 {
             tell(Event::Overrun { tick, skipped });
         }
-        if let Some(cause) = judge(&account, settings) {
+        if let Some(cause) = state.judge(&account, settings) {
             state.fail(cause, board, coupling, tick, &mut tell);
         }
         state.tell_mode(tick, &mut tell);
@@ -231,13 +242,12 @@ impl Loop {
                 }
                 Err(refusal) => Outcome::Refused(refusal),
             },
-            Command::Set { parameter, value } if free(parameter) => {
-                match (plant.input(parameter.into()), plant.set(parameter.into(), value)) {
-                    (None, _) => Outcome::NoSuchParameter,
-                    (_, false) => Outcome::OutOfRange,
-                    _ => Outcome::Value(value),
-                }
-            }
+            Command::Set { parameter, value } if free(parameter) => match plant.input(parameter.into()) {
+                Some(_) if plant.set(parameter.into(), value) => Outcome::Value(value),
+                // What does not even take the value that it has is driven by something else.
+                Some(present) if plant.set(parameter.into(), present) => Outcome::OutOfRange,
+                _ => Outcome::NoSuchParameter,
+            },
             Command::Set { .. } => Outcome::NoSuchParameter,
             Command::Get { parameter } => {
                 plant.input(parameter.into()).map_or(Outcome::NoSuchParameter, Outcome::Value)
@@ -248,6 +258,24 @@ impl Loop {
     /// What of the coupling speaks against going on; only armed hardware is in danger.
     fn trouble(&self, coupling: &Coupling<'_>) -> Option<Cause> {
         if self.machine.mode().is_armed() { coupling.trouble() } else { None }
+    }
+
+    /// Whether timing alone is reason enough to go safe. Lag counts while the plant is to run, from when it was armed: a
+    /// board that once was late could never leave SAFE otherwise.
+    fn judge(&mut self, account: &Account, settings: &Settings) -> Option<Cause> {
+        let in_a_row = account.consecutive_overruns;
+        if in_a_row >= settings.overruns_to_safe {
+            return Some(Cause::Overruns { in_a_row });
+        }
+        let behind_us = account.lag_us();
+        match self.machine.mode() {
+            Mode::Run => self.lag_us = behind_us.saturating_sub(self.stood_us),
+            // What it is behind stays, and does not grow.
+            Mode::Hold => self.stood_us = behind_us.saturating_sub(self.lag_us),
+            _ => (self.lag_us, self.stood_us) = (0, behind_us),
+        }
+        let lag_us = self.lag_us;
+        (lag_us > settings.lag_to_safe_us).then_some(Cause::Lag { lag_us })
     }
 
     /// Goes to SAFE, unless it is there. Outputs that are channels go there at their rates; without any, the board's
@@ -281,16 +309,6 @@ impl Loop {
     }
 }
 
-/// Whether timing alone is reason enough to go safe.
-fn judge(account: &Account, settings: &Settings) -> Option<Cause> {
-    let in_a_row = account.consecutive_overruns;
-    if in_a_row >= settings.overruns_to_safe {
-        return Some(Cause::Overruns { in_a_row });
-    }
-    let lag_us = account.lag_us();
-    (lag_us > settings.lag_to_safe_us).then_some(Cause::Lag { lag_us })
-}
-
 fn first(outputs: &[f32]) -> [f32; SHOWN_OUTPUTS] {
     core::array::from_fn(|i| outputs.get(i).copied().unwrap_or(f32::NAN))
 }
@@ -302,6 +320,7 @@ mod tests {
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
     use eclss_core::Place;
+    use eclss_core::mode::Request;
     use eclss_core::process::{Applied, Point};
 
     /// A board whose clock moves only as the script says: each tick takes the next duration \[µs\].
@@ -313,6 +332,8 @@ mod tests {
         written: usize,
         safe_calls: usize,
         fed: usize,
+        /// What the operator asks for, by tick.
+        requests: Vec<(usize, Request)>,
     }
 
     impl Board for Scripted {
@@ -335,7 +356,8 @@ mod tests {
             self.clock_us.set(self.clock_us.get() + duration);
         }
         fn write_outputs(&mut self, _converters: &Converters, armed: bool) {
-            assert!(self.safe_calls == 0 || !armed, "outputs live after they went safe");
+            let asked = !self.requests.is_empty();
+            assert!(asked || self.safe_calls == 0 || !armed, "outputs live after they went safe");
             self.written += usize::from(armed);
         }
         fn safe_outputs(&mut self) {
@@ -343,6 +365,10 @@ mod tests {
         }
         fn feed_watchdog(&mut self) {
             self.fed += 1;
+        }
+        fn request(&mut self) -> Option<Request> {
+            let tick = self.begun.len() - 1;
+            self.requests.iter().find(|(at, _)| *at == tick).map(|(_, request)| *request)
         }
     }
 
@@ -398,7 +424,17 @@ mod tests {
         breaks_at: f32,
         settings: &Settings,
     ) -> (Scripted, Counting, Vec<Event>) {
-        let mut board = Scripted { durations_us: durations_us.to_vec(), ..Scripted::default() };
+        run_asked(durations_us, &[], breaks_at, settings)
+    }
+
+    fn run_asked(
+        durations_us: &[u64],
+        requests: &[(usize, Request)],
+        breaks_at: f32,
+        settings: &Settings,
+    ) -> (Scripted, Counting, Vec<Event>) {
+        let (durations_us, requests) = (durations_us.to_vec(), requests.to_vec());
+        let mut board = Scripted { durations_us, requests, ..Scripted::default() };
         let mut plant = Counting { steps: [0.0], breaks_at };
         let mut events = Vec::new();
         let mut nothing = Coupling::none();
@@ -457,6 +493,23 @@ mod tests {
         let settings = Settings { lag_to_safe_us: 2_999, ..SETTINGS };
         let (_, _, events) = run_scripted(&[3_500], f32::INFINITY, &settings);
         assert_eq!(causes(&events), [(1, Cause::Lag { lag_us: 3_000 })]);
+    }
+
+    /// Lag that was acknowledged is over, and so is what came while the plant was to stand: only what comes afterwards
+    /// leads to SAFE again. The account shows all of it.
+    #[test]
+    fn lag_can_be_acknowledged() {
+        let settings = Settings { lag_to_safe_us: 2_999, overruns_to_safe: 9, ticks: Some(20), ..SETTINGS };
+        // 3 ms in RUN; 2 ms in SAFE; acknowledged; 2 ms in RUN, 2 ms in HOLD, 1 ms in RUN.
+        let mut durations_us = [100; 20];
+        for (tick, skipped) in [(0, 3), (2, 2), (6, 2), (9, 2), (12, 1)] {
+            durations_us[tick] = 1_000 * skipped + 500;
+        }
+        let requests = [(4, Request::Acknowledge), (8, Request::Hold), (11, Request::Resume)];
+        let (_, plant, events) = run_asked(&durations_us, &requests, f32::INFINITY, &settings);
+        assert_eq!(causes(&events), [(1, Cause::Lag { lag_us: 3_000 }), (13, Cause::Lag { lag_us: 3_000 })]);
+        let Some(Event::Ended { account, .. }) = events.last() else { panic!("no end") };
+        assert_eq!((account.lag_us(), plant.steps[0] as usize), (10_000, 9));
     }
 
     /// What a broken plant computed never reaches the outputs.

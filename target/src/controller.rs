@@ -7,7 +7,7 @@
 use crate::account::{Account, Tick};
 use crate::board::Board;
 use crate::control::{Event, SHOWN_OUTPUTS, Settings};
-use crate::coupling::{LINK_BYTES, LinkReport};
+use crate::coupling::{LinkReport, read_link};
 use crate::schedule::Schedule;
 use eclss_core::mode::{Mode, Refusal, Request};
 use eclss_core::protocol::{Command, CommandFrame, Link, Outcome, Outgoing};
@@ -61,6 +61,10 @@ impl Controller {
         let error = self.parameters.set_point - value;
         let sum = self.sum + self.parameters.integral * error * self.step_s;
         let wanted = sum + self.parameters.proportional * error;
+        // 0·∞, where set point and value are further apart than any number.
+        if wanted.is_nan() {
+            return;
+        }
         let saturated = (wanted > self.max && error > 0.0) || (wanted < self.min && error < 0.0);
         if !saturated {
             self.sum = sum;
@@ -114,9 +118,7 @@ pub async fn run<B: Board>(
         let begun_us = board.now_us();
         let begun = board.counter();
         board.feed_watchdog();
-        let mut bytes = [0; LINK_BYTES];
-        let came = board.read_link(&mut bytes).min(LINK_BYTES);
-        link.feed(bytes.get(..came).unwrap_or(&[]), begun_us);
+        read_link(board, link, begun_us);
         let was = mode;
         if let Some(data) = link.take_data() {
             mode = data.mode;
@@ -197,6 +199,21 @@ mod tests {
         controller.parameters.set_point = 0.06;
         run(&mut controller, 2_000);
         assert!(controller.output() < 0.95, "away from it at once");
+    }
+
+    /// Whatever is measured and set, what comes out is a number within the range.
+    #[test]
+    fn no_measurement_and_no_parameter_makes_it_anything_but_a_number() {
+        let far = [0.0, 1.0, f32::MAX];
+        for (set_point, gain) in far.into_iter().flat_map(|set_point| far.map(|gain| (set_point, gain))) {
+            let parameters = Parameters { set_point, proportional: gain, integral: 1.0 - gain };
+            let parameters = Parameters { integral: parameters.integral.max(0.0), ..parameters };
+            let mut controller = Controller::new(parameters, 0.5, [0.02, 1.0], 1e-3);
+            for value in [f32::MIN, f32::NAN, f32::MAX, f32::NEG_INFINITY, 0.0, f32::MIN, f32::MIN] {
+                controller.measure(value, true);
+                assert!((0.02..=1.0).contains(&controller.output()), "{parameters:?}, {value}");
+            }
+        }
     }
 
     #[test]

@@ -7,9 +7,8 @@ use eclss_core::process::{CHANNELS, CONVERTERS, Image, Order, Port, Process};
 use eclss_core::protocol::{CommandFrame, Counters, Link, Outcome, Outgoing};
 use heapless::Vec;
 
-/// Most bytes of the link that are looked at in a tick: what comes faster waits outside, so that no flood delays a
-/// tick.
-pub const LINK_BYTES: usize = 256;
+/// Bytes of the link that are taken at once.
+const CHUNK: usize = 256;
 /// Part of its range by which no output may move while the plant settles \[1\].
 const SETTLED: f32 = 2e-5;
 /// For how long \[s\].
@@ -37,6 +36,8 @@ pub struct Coupling<'a> {
     step_s: f32,
     /// Whether inputs come over the link.
     link_brings: bool,
+    /// Ticks since data came over the link, as seen when this tick had read it: the same in either [`Order`].
+    silence: u32,
     /// Raw values of this tick, by input channel.
     raw: [Option<f32>; CHANNELS],
     /// Values from which the plant has not moved while it settles, by output channel, and for how long.
@@ -49,7 +50,7 @@ impl<'a> Coupling<'a> {
     pub fn new(process: Process<'a>, step_s: f32, link: Option<Link>) -> Self {
         let link_brings = process.image().inputs.iter().any(|channel| channel.port == Port::Link);
         let (raw, rest) = ([None; CHANNELS], [f32::NAN; CHANNELS]);
-        Self { process, link, step_s, link_brings, raw, rest, rested: 0 }
+        Self { process, link, step_s, link_brings, silence: u32::MAX, raw, rest, rested: 0 }
     }
 
     /// Couples nothing.
@@ -87,7 +88,7 @@ impl<'a> Coupling<'a> {
             connected: link.is_connected(),
             counters: *link.counters(),
             sent: link.sent_packets(),
-            silence: link.silence_ticks(),
+            silence: self.silence,
         })
     }
 
@@ -100,9 +101,8 @@ impl<'a> Coupling<'a> {
         }
         let mut data = None;
         if let Some(link) = &mut self.link {
-            let mut bytes = [0; LINK_BYTES];
-            let came = board.read_link(&mut bytes).min(LINK_BYTES);
-            link.feed(bytes.get(..came).unwrap_or(&[]), now_us);
+            read_link(board, link, now_us);
+            self.silence = link.silence_ticks();
             data = link.take_data();
         }
         let mut number = 0;
@@ -147,7 +147,7 @@ impl<'a> Coupling<'a> {
 
     /// What speaks against going on.
     pub fn trouble(&self) -> Option<Cause> {
-        let ticks = self.link.as_ref().map_or(u32::MAX, Link::silence_ticks);
+        let ticks = self.silence;
         if self.link_brings && ticks > self.process.image().safe_after_ticks {
             return Some(Cause::Silence { ticks });
         }
@@ -240,9 +240,153 @@ impl<'a> Coupling<'a> {
     }
 }
 
+/// Hands the link what has come for it, at most [`CHUNK`] bytes or what it needs to keep step with its peer: what
+/// comes faster waits outside, so that no flood delays a tick.
+pub(crate) fn read_link<B: Board>(board: &mut B, link: &mut Link, now_us: u64) {
+    let mut bytes = [0; CHUNK];
+    let mut left = link.bytes_a_tick().max(CHUNK);
+    while left > 0 {
+        let Some(place) = bytes.get_mut(..left.min(CHUNK)) else { return };
+        let came = board.read_link(place).min(place.len());
+        link.feed(place.get(..came).unwrap_or(&[]), now_us);
+        if came < place.len() {
+            return;
+        }
+        left -= came;
+    }
+}
+
 /// Numbers of values that go over a link each way.
 pub fn link_counts(image: &Image<'_>) -> (u16, u16) {
     let inputs = image.inputs.iter().filter(|channel| channel.port == Port::Link).count();
     let outputs = image.outputs.iter().filter(|channel| channel.port == Port::Link).count();
     (inputs as u16, outputs as u16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eclss_core::mode::Mode;
+    use eclss_core::process::{Hold, InputChannel, InputState, Scaling};
+    use eclss_core::protocol::{Config, Role};
+    use std::vec::Vec;
+
+    const CHANNEL: InputChannel<'_> = InputChannel {
+        slot: 0,
+        port: Port::Link,
+        scaling: Scaling::NONE,
+        min: 0.0,
+        max: 1e6,
+        saturates: false,
+        max_rate_per_s: f32::INFINITY,
+        filter_s: 0.0,
+        hold: Hold::Zero,
+        extrapolate_ticks: 1,
+        event_step: 1.0,
+        stale_ticks: 100,
+        safe_value: 0.5,
+        safe_rate_per_s: 1.0,
+        essential: true,
+    };
+
+    /// A wire to a controller, and nothing else.
+    struct Wire {
+        controller: Link,
+        to_plant: Vec<u8>,
+    }
+
+    impl Board for Wire {
+        const COUNTER_HZ: u32 = 1;
+        fn name(&self) -> &'static str {
+            "wire"
+        }
+        fn counter(&self) -> u32 {
+            0
+        }
+        fn read_inputs(&mut self, _converters: &mut Converters) {}
+        fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {}
+        fn read_link(&mut self, bytes: &mut [u8]) -> usize {
+            let length = bytes.len().min(self.to_plant.len());
+            for (to, from) in bytes.iter_mut().zip(self.to_plant.drain(..length)) {
+                *to = from;
+            }
+            length
+        }
+        fn write_link(&mut self, bytes: &[u8]) -> usize {
+            self.controller.feed(bytes, 0);
+            bytes.len()
+        }
+        fn safe_outputs(&mut self) {}
+        fn feed_watchdog(&mut self) {}
+    }
+
+    impl Wire {
+        /// The controller says so many values, all of them the tick.
+        fn controller_says(&mut self, tick: u64, values: usize) {
+            let values = vec![tick as f32; values];
+            let quality = vec![0; values.len()];
+            let says = Outgoing { values: &values, quality: &quality, seen: &quality, ..Outgoing::default() };
+            self.controller.send_tick(tick, tick * 1_000, &says);
+            self.to_plant.extend_from_slice(self.controller.outgoing());
+            self.controller.sent(usize::MAX);
+        }
+    }
+
+    /// Runs `body` with a coupling of `channels` inputs over a wire to its controller.
+    fn coupled<T>(channels: usize, order: Order, body: impl FnOnce(&mut Coupling<'_>, &mut Wire) -> T) -> T {
+        let config = Config { inputs: channels as u16, ..Config::default() };
+        let inputs = vec![CHANNEL; channels];
+        let mut states = vec![InputState::new(0.0); channels];
+        let image = Image { inputs: &inputs, order, ..Image::EMPTY };
+        let process = Process::new(image, 1e-3, &mut states, &mut []).unwrap();
+        let mut coupling = Coupling::new(process, 1e-3, Some(Link::new(config, 3)));
+        let controller = Link::new(Config { role: Role::Controller, ..config }, 4);
+        body(&mut coupling, &mut Wire { controller, to_plant: Vec::new() })
+    }
+
+    fn tick(coupling: &mut Coupling<'_>, wire: &mut Wire, tick: u64) -> Option<Cause> {
+        let machine = Machine::new();
+        let now_us = 1_000 * tick;
+        coupling.read(wire, now_us);
+        if coupling.order() == Order::Latched {
+            coupling.write(wire, tick, &machine, now_us);
+        }
+        coupling.ingest(Mode::Run.conduct());
+        let trouble = coupling.trouble();
+        if coupling.order() == Order::Immediate {
+            coupling.write(wire, tick, &machine, now_us);
+        }
+        trouble
+    }
+
+    /// Silence is counted from when data were read, whenever in the tick outputs are given out.
+    #[test]
+    fn silence_is_the_same_in_either_order() {
+        for order in [Order::Latched, Order::Immediate] {
+            let silent = coupled(1, order, |coupling, wire| {
+                for now in 0..100 {
+                    wire.controller_says(now, 1);
+                    tick(coupling, wire, now);
+                }
+                assert_eq!(coupling.link_report().unwrap().silence, 0);
+                (100..1_000).take_while(|now| tick(coupling, wire, *now).is_none()).count() as u32
+            });
+            assert_eq!(silent, Image::EMPTY.safe_after_ticks, "{order:?}");
+        }
+    }
+
+    /// The largest image that a link carries: the plant keeps step with its controller and sees what it said last.
+    #[test]
+    fn no_image_is_too_large_to_keep_step_with() {
+        coupled(CHANNELS, Order::Latched, |coupling, wire| {
+            for now in 0..1_000 {
+                wire.controller_says(now, CHANNELS);
+                tick(coupling, wire, now);
+                let behind = wire.to_plant.len();
+                assert!(behind < 600, "{behind} bytes wait in tick {now}");
+            }
+            let newest = coupling.process().inputs()[CHANNELS - 1].live();
+            assert!((newest - 999.0).abs() < 1.5, "the value of tick {newest}");
+        });
+    }
 }

@@ -49,6 +49,8 @@ pub enum ImageError {
     },
     /// The buffer of the writer is too short.
     NoRoom,
+    /// An image has flows only, and the network has a climate.
+    Climate,
 }
 
 /// An image as written; field by field what [`Image`] reads.
@@ -118,6 +120,9 @@ pub fn write<'b>(
     settings: Settings,
     buffer: &'b mut [u8],
 ) -> Result<&'b [u8], ImageError> {
+    if !network.climate.is_none() {
+        return Err(ImageError::Climate);
+    }
     let method = Method::ALL.iter().position(|method| *method == settings.method).unwrap_or(usize::MAX);
     let plan = network.plan;
     let written = Written {
@@ -335,6 +340,13 @@ mod tests {
         for length in 0..whole.len() {
             assert!(Image::read(&whole[..length]).is_err(), "{length} bytes");
         }
+    }
+
+    #[test]
+    fn a_network_with_a_climate_is_refused() {
+        let loaded = parse(include_str!("../../networks/thcs.toml"), "thcs.toml").expect("it ships");
+        let settings = Settings { method: loaded.run.method, step_us: loaded.run.step_us };
+        assert_eq!(write(&loaded.network(), settings, &mut vec![0; 4 * BYTES]), Err(ImageError::Climate));
     }
 
     #[test]

@@ -22,6 +22,15 @@ pub(super) fn check_sum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
+/// Most bytes of a frame with `values` values, their quality and that of `seen` values of the peer's: every number at
+/// its longest.
+pub(super) fn data_bytes(values: usize, seen: usize) -> usize {
+    // Version, session, sequence, tick, time, kind; mode, cause; echo; three lengths.
+    let packet = (1 + 5 + 5 + 10 + 10 + 1) + (1 + 1) + (5 + 10 + 5) + 3 + 5 * values + seen;
+    let coded = packet + CHECK_BYTES;
+    coded + coded / 254 + 1 + 1
+}
+
 /// Why a frame is not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BadFrame {
@@ -164,6 +173,8 @@ mod tests {
         for packet in [largest(), smallest()] {
             let mut out = [0; FRAME_BYTES];
             let length = encode(&packet, &mut out).expect("it fits");
+            let Body::Data(data) = &packet.body else { unreachable!() };
+            assert!(length <= data_bytes(data.values.len(), data.seen.len()));
             assert_eq!(out[..length].iter().position(|byte| *byte == 0), Some(length - 1));
             assert_eq!(received(&out[..length]), [Ok(packet)]);
         }

@@ -8,7 +8,7 @@ mod packets;
 
 use super::clock::Clock;
 use super::counters::Counters;
-use super::frame::{FRAME_BYTES, Framer};
+use super::frame::{FRAME_BYTES, Framer, data_bytes};
 use super::message::{Ack, Body, Command, CommandFrame, Data, Echo, Outcome, Refused, RefusedReason, Role};
 use super::window::Window;
 use crate::mode::Mode;
@@ -187,6 +187,17 @@ impl Link {
     /// Whether there is a session.
     pub fn is_connected(&self) -> bool {
         self.session.is_some()
+    }
+
+    /// Bytes of the peer that this end must be able to take in a tick so as to keep step with it: two of its longest
+    /// frames of process data. Who takes fewer falls behind, and finds ever older values.
+    pub fn bytes_a_tick(&self) -> usize {
+        let Config { role, inputs, outputs, .. } = self.config;
+        let (inputs, outputs) = (usize::from(inputs), usize::from(outputs));
+        2 * match role {
+            Role::Plant => data_bytes(inputs, outputs),
+            Role::Controller => data_bytes(outputs, inputs),
+        }
     }
 
     /// Why the peer refused the latest hello, if it did.

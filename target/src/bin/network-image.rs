@@ -13,8 +13,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = eclss_network_file::load(Path::new(network))?;
     let settings = Settings { method: loaded.run.method, step_us: loaded.run.step_us };
     let mut buffer = vec![0; image::BYTES];
-    let bytes = image::write(&loaded.network(), settings, &mut buffer)
-        .map_err(|_| format!("{network} is larger than an image may be ({} bytes)", image::BYTES))?;
+    let bytes = image::write(&loaded.network(), settings, &mut buffer).map_err(|error| match error {
+        image::ImageError::Climate => format!("{network} has a climate, and an image has flows only"),
+        _ => format!("{network} is larger than an image may be ({} bytes)", image::BYTES),
+    })?;
     std::fs::write(path, bytes)?;
     println!("{path}: network {:016x}, {} bytes", loaded.network().id(), bytes.len());
     Ok(())

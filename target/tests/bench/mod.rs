@@ -52,9 +52,9 @@ impl<P: Peer> Board for Bench<P> {
         self.clock_us as u32
     }
     fn read_inputs(&mut self, _converters: &mut Converters) {
-        self.tick += 1;
         let sent = std::mem::take(&mut self.to_peer);
         self.from_peer.extend(self.peer.tick(self.tick, &sent));
+        self.tick += 1;
     }
     fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {}
     fn read_link(&mut self, bytes: &mut [u8]) -> usize {

@@ -6,6 +6,11 @@ use std::net::{SocketAddr, UdpSocket};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 
+/// Largest datagram that is taken whole \[bytes\]; a frame has 512 at most.
+const DATAGRAM: usize = 2_048;
+/// Most datagrams that one call looks at, so that no flood of empty ones makes it long.
+const DATAGRAMS: usize = 16;
+
 /// Where the other end is.
 #[derive(Debug, Default)]
 pub(super) enum PcLink {
@@ -15,7 +20,15 @@ pub(super) enum PcLink {
     /// Whoever connects to a Unix socket.
     Unix(UnixListener, Option<UnixStream>),
     /// One peer, by datagrams.
-    Udp(UdpSocket),
+    Udp(UdpSocket, Datagram),
+}
+
+/// A datagram of which not all has been asked for yet: the kernel gives it whole or cuts it off.
+#[derive(Debug)]
+pub(super) struct Datagram {
+    bytes: Box<[u8; DATAGRAM]>,
+    from: usize,
+    to: usize,
 }
 
 impl PcLink {
@@ -39,7 +52,7 @@ impl PcLink {
                 // Datagrams of anybody else never get here.
                 socket.connect(peer)?;
                 socket.set_nonblocking(true)?;
-                Ok(Self::Udp(socket))
+                Ok(Self::Udp(socket, Datagram { bytes: Box::new([0; DATAGRAM]), from: 0, to: 0 }))
             }
             _ => Err(bad("neither `unix:` nor `udp:`")),
         }
@@ -49,7 +62,18 @@ impl PcLink {
     pub(super) fn read(&mut self, bytes: &mut [u8]) -> usize {
         match self {
             Self::None => 0,
-            Self::Udp(socket) => socket.recv(bytes).unwrap_or(0),
+            Self::Udp(socket, datagram) => {
+                let mut length = 0;
+                for _ in 0..DATAGRAMS {
+                    length += datagram.take(bytes.get_mut(length..).unwrap_or(&mut []));
+                    if length == bytes.len() {
+                        break;
+                    }
+                    let Ok(came) = socket.recv(&mut datagram.bytes[..]) else { break };
+                    (datagram.from, datagram.to) = (0, came);
+                }
+                length
+            }
             Self::Unix(listener, stream) => {
                 if stream.is_none() {
                     *stream = listener.accept().ok().map(|(stream, _)| stream);
@@ -76,7 +100,7 @@ impl PcLink {
         }
         match self {
             Self::None => bytes.len(),
-            Self::Udp(socket) => {
+            Self::Udp(socket, _) => {
                 let _ = socket.send(bytes);
                 bytes.len()
             }
@@ -92,6 +116,17 @@ impl PcLink {
                 }
             }
         }
+    }
+}
+
+impl Datagram {
+    /// Gives away as much as `place` holds.
+    fn take(&mut self, place: &mut [u8]) -> usize {
+        let rest = self.bytes.get(self.from..self.to).unwrap_or(&[]);
+        let length = rest.len().min(place.len());
+        place[..length].copy_from_slice(&rest[..length]);
+        self.from += length;
+        length
     }
 }
 
@@ -121,6 +156,26 @@ mod tests {
             assert_eq!(link.read(&mut bytes), 0, "gone, which is no reason to wait");
         }
         std::fs::remove_file(&path).unwrap();
+    }
+
+    /// A datagram that is longer than what is asked for at once is not cut off, and several are taken in one call.
+    #[test]
+    fn a_long_datagram_comes_whole() {
+        let (own, known) = (free_port(), UdpSocket::bind("127.0.0.1:0").unwrap());
+        let peer = known.local_addr().unwrap();
+        let mut link = PcLink::open(&format!("udp:127.0.0.1:{own},{peer}")).unwrap();
+        let sent: Vec<u8> = (0..1_000_u32).map(|n| (n % 251) as u8).collect();
+        for part in [&sent[..512], &sent[512..600], &sent[600..]] {
+            known.send_to(part, ("127.0.0.1", own)).unwrap();
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let (mut got, mut bytes) = (Vec::new(), [0; 256]);
+        for _ in 0..4 {
+            let length = link.read(&mut bytes);
+            got.extend_from_slice(&bytes[..length]);
+        }
+        assert_eq!(got, sent);
+        assert_eq!(link.read(&mut bytes), 0);
     }
 
     #[test]
