@@ -22,11 +22,12 @@
 //! | 88…  | the words |
 //!
 //! A checkpoint is for the same network, method, step and version of this format; anything else is refused before
-//! anything is changed.
+//! anything is changed. So are figures that no run can have come to: a state that is not finite in a trusted run, a
+//! place behind a schedule's end, a time that cannot be counted.
 
 use super::{Fault, Health, Place, Simulator};
 use crate::element::Element;
-use crate::{Margin, Method, Proof};
+use crate::{Margin, Method, Proof, Schedule};
 
 const MAGIC: [u8; 4] = *b"ECKP";
 /// Changes whenever the words of any method change their meaning.
@@ -191,6 +192,7 @@ impl<E: Element> Simulator<'_, E> {
     /// refused changes nothing.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
         let header = self.read_header(bytes)?;
+        self.check_words(&header, bytes).ok_or(CheckpointError::Damaged)?;
         let mut words = Reader { rest: bytes.get(HEADER..).unwrap_or(&[]) };
         // The length was compared, so nothing ends early from here on.
         let taken = words
@@ -209,6 +211,19 @@ impl<E: Element> Simulator<'_, E> {
         self.unproven_ticks = header.unproven_ticks;
         (self.margin, self.worst_margin) = (header.margin, header.worst_margin);
         taken.ok_or(CheckpointError::Damaged)
+    }
+
+    /// Looks at the words of bytes that are whole and as long as they must be: a run that is trusted has finite states,
+    /// and its schedules are at one of their points.
+    fn check_words(&self, header: &Header, bytes: &[u8]) -> Option<()> {
+        let states = bytes.get(HEADER..HEADER + 4 * self.state.len())?;
+        let finite = |word: &[u8; 4]| f32::from_le_bytes(*word).is_finite();
+        let trusted = header.health == Health::Trusted;
+        (!trusted || states.as_chunks().0.iter().all(finite)).then_some(())?;
+        let cursors = bytes.len().checked_sub(CRC_BYTES + 4 * self.cursors.len())?;
+        let cursors = bytes.get(cursors..)?.as_chunks().0;
+        let there = |(schedule, word): (&Schedule, &[u8; 4])| u32::from_le_bytes(*word) <= schedule.points;
+        self.network.schedules.iter().zip(cursors).all(there).then_some(())
     }
 
     fn lengths(&self) -> [u32; 4] {
@@ -256,6 +271,11 @@ impl<E: Element> Simulator<'_, E> {
         }
         if given != self.checkpoint_bytes() {
             return Err(CheckpointError::Length { needed: self.checkpoint_bytes(), given });
+        }
+        // A run of a hundred thousand years at most, so that time goes on counting.
+        let time_us = tick.checked_mul(u64::from(step_us)).ok_or(ENDS)?;
+        if time_us > u64::MAX >> 2 || fault_tick > tick || unproven_ticks > tick {
+            return Err(ENDS);
         }
         let fault = |place| Health::Faulted(Fault { tick: fault_tick, place });
         let health = match health {
@@ -330,6 +350,43 @@ mod tests {
         assert_eq!(theirs.restore(b"ECKP\x07\x00"), Err(CheckpointError::Version(7)));
         let mut few = [0; 100];
         assert!(matches!(ours.save(&mut few), Err(CheckpointError::Length { given: 100, .. })));
+    }
+
+    /// Whole bytes that no run can have come to, as of a writer with a mistake.
+    #[test]
+    fn figures_that_cannot_be_are_refused() {
+        let points = [crate::SchedulePoint { time_us: 0, value: 1.0 }];
+        let schedules = [crate::Schedule {
+            input: 1,
+            first_point: 0,
+            points: 1,
+            interpolation: crate::Interpolation::Hold,
+        }];
+        let network = crate::Network { schedules: &schedules, points: &points, ..example::paper_loop() };
+        let settings = Settings { method: Method::TrBdf2, step_us: 1_000 };
+        let mut storage = Room::new();
+        let mut ours = Simulator::new(&network, settings, storage.buffers()).unwrap();
+        ours.step();
+        let mut bytes = [0; 2_048];
+        let length = ours.save(&mut bytes).unwrap().len();
+        let hash = ours.state_hash();
+        let last_cursor = length - CRC_BYTES - 4;
+        let mut refused = |place: usize, figure: &[u8]| {
+            let mut bytes = bytes;
+            bytes[place..place + figure.len()].copy_from_slice(figure);
+            let crc = CRC.checksum(&bytes[..length - CRC_BYTES]).to_le_bytes();
+            bytes[length - CRC_BYTES..length].copy_from_slice(&crc);
+            let result = ours.restore(&bytes[..length]);
+            ours.step();
+            result
+        };
+        assert_eq!(refused(24, &u64::MAX.to_le_bytes()), Err(CheckpointError::Damaged));
+        assert_eq!(refused(24, &(u64::MAX / 1_000).to_le_bytes()), Err(CheckpointError::Damaged));
+        assert_eq!(refused(last_cursor, &2_u32.to_le_bytes()), Err(CheckpointError::Damaged));
+        assert_eq!(refused(40, &u64::MAX.to_le_bytes()), Err(CheckpointError::Damaged));
+        assert_eq!(refused(88, &f32::NAN.to_le_bytes()), Err(CheckpointError::Damaged));
+        assert_eq!(refused(24, &7_u64.to_le_bytes()), Ok(()));
+        assert_ne!(ours.state_hash(), hash);
     }
 
     /// Every byte that is cut off and every bit that is turned is noticed, and nothing has changed by then.
