@@ -3,7 +3,6 @@
 
 pub mod board;
 pub mod handover;
-pub mod link;
 pub mod pace;
 pub mod plant;
 pub mod realtime;

@@ -9,15 +9,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use bench::{controller, job, network, place, settled};
+use bench::{config, controller, job, network, place, settled};
+use eclss_core::protocol::{Link as Session, Role};
 use eclss_host_sim::Failure;
 use eclss_host_sim::hil::board::Stall;
-use eclss_host_sim::hil::link::Address;
 use eclss_host_sim::hil::pace::Pace;
 use eclss_host_sim::hil::recorder::Trigger;
 use eclss_host_sim::hil::replay::replay;
 use eclss_host_sim::hil::report::Report;
 use eclss_host_sim::hil::runner::{Job, RecordWishes, run};
+use eclss_target::wire::Address;
 
 fn recorded(job: Job, name: &str, every: u64, triggers: Vec<Trigger>) -> Job {
     let record = RecordWishes { folder: place(name), every, triggers, around: (50, 50) };
@@ -214,4 +215,50 @@ fn a_flood_delays_nothing() {
     assert!(link.damaged + link.bad_crc > 100 && link.accepted == 0 && !link.connected, "{link:?}");
     assert_eq!(report.mode, "READY");
     assert!(report.tick.p50_us < 1_000.0, "{:?}", report.tick);
+}
+
+/// Two ends over datagrams: data both ways and orders, while a stranger whose packets would be sound is not heard.
+#[test]
+fn a_session_over_udp_hears_its_peer_alone() {
+    let source = network("hil.toml");
+    let step_us = 2_000;
+    let free = || UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (ours, theirs) = (free(), free());
+    let start = Some(settled(&source, step_us));
+    let link = Some(Address::Udp { local: ours, peer: theirs });
+    let job = recorded(Job { link, start, ..job(&source, step_us, 1_500) }, "datagrams", 5, Vec::new());
+    let other = controller(&source, &Address::Udp { local: theirs, peer: ours }, step_us, 1_100);
+    let ends = Arc::new(AtomicBool::new(false));
+    let stranger = {
+        let (ends, config) = (Arc::clone(&ends), config(&source, Role::Controller, step_us));
+        std::thread::spawn(move || {
+            let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+            let mut session = Session::new(config, 99);
+            let mut sent = 0;
+            while !ends.load(Ordering::Relaxed) {
+                session.send_quiet_tick(sent, sent);
+                let _ = socket.send_to(session.outgoing(), ours);
+                session.sent(session.outgoing().len());
+                sent += 1;
+                std::thread::sleep(Duration::from_micros(500));
+            }
+            (sent, socket.set_nonblocking(true).is_ok() && socket.recv(&mut [0; 600]).is_err())
+        })
+    };
+    let report = run(&source, &job, &mut sink()).unwrap();
+    ends.store(true, Ordering::Relaxed);
+    other.join().unwrap();
+    let (sent, unanswered) = stranger.join().unwrap();
+    assert!(sent > 100 && unanswered, "the stranger was there, and was not answered");
+    let link = report.link.as_ref().unwrap();
+    assert_eq!(
+        (link.sessions, link.bad_crc, link.damaged, link.foreign, link.late),
+        (1, 0, 0, 0, 0),
+        "{link:?}"
+    );
+    assert!(link.accepted > 500 && link.bytes.bytes_out > 10_000, "{link:?}");
+    let folder = &job.record.as_ref().unwrap().folder;
+    let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    assert!(column(&csv, "mode").contains(&"RUN".to_owned()), "its orders were heard");
+    assert!(numbers(&csv, "valve.opening").iter().any(|opening| *opening < 0.95), "and its values");
 }

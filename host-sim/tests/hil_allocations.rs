@@ -11,13 +11,13 @@ use eclss_core::protocol::{Link as Session, Role};
 use eclss_host_sim::HostBuffers;
 use eclss_host_sim::hil::board::{Pc, note};
 use eclss_host_sim::hil::handover::{Layout, ring};
-use eclss_host_sim::hil::link::{Address, open};
 use eclss_host_sim::hil::plant::HostPlant;
 use eclss_host_sim::hil::runner::drive;
 use eclss_host_sim::hil::tap::Tap;
 use eclss_host_sim::trace::Column;
 use eclss_target::control::Event;
 use eclss_target::coupling::Coupling;
+use eclss_target::wire::{Address, open};
 
 /// Counts what the present thread asks of the system's allocator.
 struct Counting;

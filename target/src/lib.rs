@@ -24,3 +24,5 @@ pub mod measure;
 pub mod network;
 pub mod plant;
 pub mod schedule;
+#[cfg(all(not(target_os = "none"), feature = "wire"))]
+pub mod wire;

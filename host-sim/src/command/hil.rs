@@ -3,9 +3,9 @@
 use std::io::Write;
 
 use eclss_core::Settings;
+use eclss_target::wire::Address;
 
 use crate::args::{HilArgs, ReplayArgs};
-use crate::hil::link::Address;
 use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
 use crate::hil::replay::replay;

@@ -7,10 +7,10 @@ use eclss_core::mode::{Mode, Request};
 use eclss_target::board::{Board, Converters};
 use rtrb::Consumer;
 
-use super::link::{Link, LinkCounts};
 use super::pace::{Clock, Pace, sleep_until_wall, wall_ns};
 use super::tap::Tap;
 use super::timing::Times;
+use eclss_target::wire::{Link, LinkCounts};
 
 /// How often a clock that stands looks for orders [ns].
 const PAUSE_NS: u64 = 1_000_000;

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use eclss_core::protocol::Counters;
 use serde::Serialize;
 
-use super::link::LinkCounts;
 use super::timing::{Bucket, Summary};
+use eclss_target::wire::LinkCounts;
 
 /// Version of the report's format.
 pub const FORMAT: u32 = 1;

@@ -21,7 +21,6 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::board::{Measured, Order, Pc, Stall, note};
 use super::handover::{Giver, Layout, ring};
-use super::link::{Address, Link, LinkCounts, open};
 use super::pace::Pace;
 use super::plant::HostPlant;
 use super::realtime::{Wishes, become_real_time};
@@ -31,6 +30,7 @@ use super::tap::Tap;
 use crate::refusal::refused;
 use crate::trace::Column;
 use crate::{Failure, HostBuffers, Source};
+use eclss_target::wire::{Address, Link, LinkCounts, open};
 use housekeeping::Housekeeping;
 
 /// Time of rows for which there is room between loop and recorder [s].
@@ -159,7 +159,13 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     } else {
         (None, None)
     };
-    let (link, keeper) = job.link.as_ref().map(open).transpose()?.unzip();
+    let (link, keeper) = job
+        .link
+        .as_ref()
+        .map(open)
+        .transpose()
+        .map_err(|error| Failure::BadInput(error.to_string()))?
+        .unzip();
     let (events, events_out) = RingBuffer::new(EVENTS);
     let (orders_in, orders) = RingBuffer::new(EVENTS);
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in);

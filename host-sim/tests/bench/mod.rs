@@ -11,12 +11,12 @@ use eclss_core::Settings;
 use eclss_core::protocol::{Config, Link as Session, Role};
 use eclss_host_sim::Source;
 use eclss_host_sim::hil::board::Pc;
-use eclss_host_sim::hil::link::{Address, open};
 use eclss_host_sim::hil::pace::Pace;
 use eclss_host_sim::hil::runner::{Job, run};
 use eclss_host_sim::hil::tap::Tap;
 use eclss_target::controller::{Controller, FLOW};
 use eclss_target::coupling::link_counts;
+use eclss_target::wire::{Address, open};
 use eclss_target::{control, controller::run as run_controller};
 
 /// A network that ships.

@@ -3,14 +3,13 @@
 //! Without the right to real-time priority (`ulimit -r`, or `CAP_SYS_NICE`) it says so and runs all the same:
 //! the account then shows what the kernel made of it. It has no converters, but a link.
 
-mod link;
-
 use crate::board::{Board, Converters, ResetReason};
 use crate::control::Settings;
 use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
 use crate::journal::{self, Journal};
 use crate::network::{self, NetworkPlant};
+use crate::wire::{Address, Keeper, Link, open};
 use core::num::NonZeroU32;
 use core::time::Duration;
 use eclss_core::process::{Image, InputState, OutputState, Process};
@@ -18,7 +17,6 @@ use eclss_core::protocol::Role;
 use eclss_core::{Buffers, Network, Simulator};
 use eclss_network_file::Loaded;
 use embassy_executor::Executor;
-use link::PcLink;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
@@ -34,7 +32,7 @@ const CLOCK: ClockId = ClockId::Monotonic;
 /// The computer.
 #[derive(Default)]
 pub struct RtPc {
-    link: PcLink,
+    link: Option<Link>,
 }
 
 impl Board for RtPc {
@@ -58,10 +56,10 @@ impl Board for RtPc {
     fn read_inputs(&mut self, _converters: &mut Converters) {}
     fn write_outputs(&mut self, _converters: &Converters, _armed: bool) {}
     fn read_link(&mut self, bytes: &mut [u8]) -> usize {
-        self.link.read(bytes)
+        self.link.as_mut().map_or(0, |link| link.read(bytes))
     }
     fn write_link(&mut self, bytes: &[u8]) -> usize {
-        self.link.write(bytes)
+        self.link.as_mut().map_or(bytes.len(), |link| link.write(bytes))
     }
     fn safe_outputs(&mut self) {}
     fn feed_watchdog(&mut self) {}
@@ -72,8 +70,9 @@ fn nanoseconds() -> u64 {
     now.tv_sec.cast_unsigned() * 1_000_000_000 + now.tv_nsec.cast_unsigned()
 }
 
-/// Runs with the words `seconds=N`, `network=FILE` and `link=unix:PATH|udp:OWN,PEER`; without `seconds` until
-/// interrupted, without `network` the network that is compiled in. Channels take part where there is a link for them.
+/// Runs with the words `seconds=N`, `network=FILE`, `link=LINK` and `peer=ADDRESS:PORT`, the latter two as
+/// [`Address::read`] takes them; without `seconds` until interrupted, without `network` the network that is compiled in.
+/// Channels take part where there is a link for them.
 ///
 /// # Panics
 /// When called twice.
@@ -81,12 +80,15 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
     let request = match Request::read(words) {
         Ok(request) => request,
         Err(word) => {
-            eprintln!("cannot make sense of `{word}`; there are seconds=N, network=FILE and link=ADDRESS");
+            eprintln!(
+                "cannot make sense of `{word}`; there are seconds=N, network=FILE, link=LINK and \
+                       peer=ADDRESS:PORT"
+            );
             return ExitCode::FAILURE;
         }
     };
     let built = request.network.as_deref().map_or_else(compiled_in, load);
-    let opened = request.link.as_deref().map_or(Ok(PcLink::None), PcLink::open);
+    let opened = request.open();
     let (plant, process, link) = match built.and_then(|(plant, process)| Ok((plant, process, opened?))) {
         Ok(parts) => parts,
         Err(error) => {
@@ -94,10 +96,9 @@ pub fn start(words: impl Iterator<Item = String>) -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let coupling = match link {
-        PcLink::None => Coupling::none(),
-        _ => couple(&plant, process),
-    };
+    // The keeper opens the link again when it was lost, as long as the loop runs.
+    let (link, _keeper) = link.unzip();
+    let coupling = if link.is_some() { couple(&plant, process) } else { Coupling::none() };
     let board = RtPc { link };
     let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
     let per_second = NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN);
@@ -190,6 +191,7 @@ struct Request {
     seconds: Option<u32>,
     network: Option<String>,
     link: Option<String>,
+    peer: Option<String>,
 }
 
 impl Request {
@@ -207,6 +209,10 @@ impl Request {
                     request.link = Some(value.into());
                     true
                 }
+                Some(("peer", value)) => {
+                    request.peer = Some(value.into());
+                    true
+                }
                 _ => false,
             };
             if !taken {
@@ -214,6 +220,12 @@ impl Request {
             }
         }
         Ok(request)
+    }
+
+    /// Opens the link, if there is to be one.
+    fn open(&self) -> Result<Option<(Link, Keeper)>, Box<dyn Error>> {
+        let Some(link) = &self.link else { return Ok(None) };
+        Ok(Some(open(&Address::read(link, self.peer.as_deref())?)?))
     }
 }
 
@@ -243,7 +255,10 @@ mod tests {
     #[test]
     fn words_are_taken_or_named() {
         let request = read("seconds=3 network=a.toml").unwrap();
-        assert_eq!(request, Request { seconds: Some(3), network: Some("a.toml".into()), link: None });
+        assert_eq!(
+            request,
+            Request { seconds: Some(3), network: Some("a.toml".into()), ..Request::default() }
+        );
         assert_eq!(read("seconds=x"), Err("seconds=x".into()));
         assert_eq!(read("seconds=3 hurry"), Err("hurry".into()));
     }

@@ -1,14 +1,16 @@
-//! The wire between loop and hardware: bytes over a serial port, a Unix socket or UDP, without ever waiting.
+//! The wire between a computer's loop and hardware: bytes over a serial port, a Unix socket or UDP, without ever
+//! waiting.
 //!
 //! The loop reads and writes through [`Link`], whose calls return at once whatever the other side does. Opening and
 //! closing can take long, so a thread of its own does it: a link that is lost comes back by itself, and what the plant
 //! does meanwhile is for the modes to say.
 
 mod address;
-mod wire;
+mod opened;
 
 pub use address::{Address, AddressError};
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -16,8 +18,7 @@ use std::time::Duration;
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use crate::Failure;
-use wire::{Opener, Wire};
+use opened::{Opener, Wire};
 
 /// How often a lost link is tried again.
 const RETRY: Duration = Duration::from_millis(50);
@@ -62,8 +63,8 @@ pub struct Keeper {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Opens a link, of which the other side need not be there yet.
-pub fn open(address: &Address) -> Result<(Link, Keeper), Failure> {
+/// Opens a link, of which the other side need not be there yet. The error names the address.
+pub fn open(address: &Address) -> io::Result<(Link, Keeper)> {
     let mut opener = Opener::new(address)?;
     let (mut fresh_in, fresh) = RingBuffer::new(1);
     let (worn, mut worn_out) = RingBuffer::<Wire>::new(4);
@@ -84,10 +85,7 @@ pub fn open(address: &Address) -> Result<(Link, Keeper), Failure> {
             std::thread::sleep(RETRY);
         }
     };
-    let thread = std::thread::Builder::new()
-        .name("link".into())
-        .spawn(keep)
-        .map_err(|error| Failure::Failed(format!("cannot start a thread: {error}")))?;
+    let thread = std::thread::Builder::new().name("link".into()).spawn(keep)?;
     let link = Link {
         wire: None,
         fresh,

@@ -11,7 +11,6 @@ use rustix::fs::OFlags;
 use rustix::termios::{OptionalActions, SpecialCodeIndex, tcgetattr, tcsetattr};
 
 use super::Address;
-use crate::Failure;
 
 /// An open wire.
 #[derive(Debug)]
@@ -71,8 +70,8 @@ pub(super) enum Opener {
 
 impl Opener {
     /// Finds out what can be found out before the other side is there.
-    pub(super) fn new(address: &Address) -> Result<Self, Failure> {
-        let refused = |error: io::Error| Failure::BadInput(format!("{address}: {error}"));
+    pub(super) fn new(address: &Address) -> io::Result<Self> {
+        let refused = |error: io::Error| io::Error::new(error.kind(), format!("{address}: {error}"));
         match address {
             Address::Serial { path, baud } => {
                 let opener = Self::Serial { path: path.clone(), baud: *baud };
