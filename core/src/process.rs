@@ -58,6 +58,38 @@ pub enum Quality {
     Moving = 9,
 }
 
+impl Quality {
+    /// Every quality, by its number.
+    pub const ALL: [Self; 10] = [
+        Self::Good,
+        Self::Unknown,
+        Self::Held,
+        Self::Saturated,
+        Self::NotFinite,
+        Self::OutOfRange,
+        Self::TooFast,
+        Self::OpenWire,
+        Self::Lost,
+        Self::Moving,
+    ];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Unknown => "nothing yet",
+            Self::Held => "held",
+            Self::Saturated => "limited",
+            Self::NotFinite => "not finite",
+            Self::OutOfRange => "out of range",
+            Self::TooFast => "too fast",
+            Self::OpenWire => "off its wire",
+            Self::Lost => "lost",
+            Self::Moving => "moving",
+        }
+    }
+}
+
 /// Why a process image was refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -17,6 +17,7 @@ pub mod firmware;
 pub mod fit;
 pub mod image;
 pub mod journal;
+pub mod loopback;
 #[cfg(all(target_os = "none", any(feature = "mps2", feature = "nucleo-h743zi2")))]
 pub mod machine;
 #[cfg(all(target_os = "none", feature = "measure"))]

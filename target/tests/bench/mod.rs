@@ -34,6 +34,8 @@ pub(crate) struct Bench<P> {
     tick: u64,
     to_peer: Vec<u8>,
     from_peer: Vec<u8>,
+    /// What each tick takes from reading the link to the end of the step [µs], over and over.
+    takes_us: &'static [u64],
 }
 
 impl<P: Peer> Board for Bench<P> {
@@ -62,6 +64,8 @@ impl<P: Peer> Board for Bench<P> {
         for (to, from) in bytes.iter_mut().zip(self.from_peer.drain(..length)) {
             *to = from;
         }
+        let takes = self.tick as usize % self.takes_us.len().max(1);
+        self.clock_us += self.takes_us.get(takes).copied().unwrap_or(0);
         length
     }
     fn write_link(&mut self, bytes: &[u8]) -> usize {
@@ -94,7 +98,11 @@ pub(crate) fn plant(loaded: Loaded) -> NetworkPlant {
 
 /// What both ends of the link agree on.
 pub(crate) fn config(role: Role) -> Config {
-    let loaded = loaded();
+    config_of(&loaded(), role)
+}
+
+/// The same for another network.
+pub(crate) fn config_of(loaded: &Loaded, role: Role) -> Config {
     let (network_id, process_id) = (loaded.network().id(), loaded.process.id());
     let (inputs, outputs) = loaded.process.with_image(|image| link_counts(&image));
     Config { role, network_id, process_id, step_us: loaded.run.step_us, inputs, outputs, ..Config::default() }
@@ -107,7 +115,18 @@ pub(crate) fn run<P: Peer>(peer: P, ticks: u64, told: &Told) -> (P, Vec<Event>) 
 
 /// The same after a start that was a clean one or not.
 pub(crate) fn run_from<P: Peer>(peer: P, ticks: u64, told: &Told, start_safe: bool) -> (P, Vec<Event>) {
-    let loaded = loaded();
+    run_on(&loaded(), peer, ticks, told, start_safe, &[])
+}
+
+/// The same on another network, with ticks that take some time.
+pub(crate) fn run_on<P: Peer>(
+    loaded: &Loaded,
+    peer: P,
+    ticks: u64,
+    told: &Told,
+    start_safe: bool,
+    takes_us: &'static [u64],
+) -> (P, Vec<Event>) {
     let (inputs, outputs) = (loaded.process.input_channels(), loaded.process.output_channels());
     let image = Image {
         inputs: &inputs,
@@ -118,9 +137,10 @@ pub(crate) fn run_from<P: Peer>(peer: P, ticks: u64, told: &Told, start_safe: bo
     let mut input_states = vec![InputState::new(0.0); inputs.len()];
     let mut output_states = vec![OutputState::new(0.0); outputs.len()];
     let process = Process::new(image, 1e-3, &mut input_states, &mut output_states).expect("as many states");
-    let mut coupling = Coupling::new(process, 1e-3, Some(Link::new(config(Role::Plant), 11)));
-    let mut plant = plant(self::loaded());
-    let mut bench = Bench { peer, clock_us: 0, tick: 0, to_peer: Vec::new(), from_peer: Vec::new() };
+    let mut coupling = Coupling::new(process, 1e-3, Some(Link::new(config_of(loaded, Role::Plant), 11)));
+    let mut plant = plant(loaded.clone());
+    let mut bench =
+        Bench { peer, clock_us: 0, tick: 0, to_peer: Vec::new(), from_peer: Vec::new(), takes_us };
     let settings = Settings {
         period_us: NonZeroU32::new(1_000).unwrap(),
         ticks: Some(ticks),
@@ -164,8 +184,13 @@ pub(crate) struct Operator {
 
 impl Operator {
     pub(crate) fn new(values: &[f32]) -> Self {
+        Self::of(&loaded(), values)
+    }
+
+    /// The same for another network.
+    pub(crate) fn of(loaded: &Loaded, values: &[f32]) -> Self {
         Self {
-            link: Link::new(config(Role::Controller), 22),
+            link: Link::new(config_of(loaded, Role::Controller), 22),
             values: values.to_vec(),
             cut: false,
             willing: true,
