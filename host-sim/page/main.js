@@ -2,6 +2,7 @@
 
 import { Controls } from "./controls.js";
 import { Drawing } from "./drawing.js";
+import { Hardware } from "./hardware.js";
 import { Recorder } from "./recorder.js";
 import { listen, load } from "./stream.js";
 import { Chart, History } from "./trends.js";
@@ -25,6 +26,7 @@ async function build() {
     network, index, shown: 0, rate: 0, since: performance.now(), count: 0, tabled: 0,
     history: new History(network.values.length),
     controls: new Controls(network, say),
+    hardware: new Hardware(network),
     recorder: new Recorder(network, element("record"), element("recorded")),
     chosen: new Set([...network.nodes.filter((node) => node.kind === "cabin").slice(0, 3).map((node) => node.id)]),
     lines: new Set(network.lines.slice(0, 3).map((line) => line.id)),
@@ -153,6 +155,7 @@ function onFrame(frame, charts) {
   if (document.hidden) return;
   built.drawing?.show(frame, densityAt(built, frame));
   built.controls.show(frame, built.index);
+  built.hardware.show(frame);
   figures(built, frame);
   if (built.shown % 4 === 1) trends(built, charts);
   if (now - built.tabled > 1000 && element("all").querySelector("details").open) {

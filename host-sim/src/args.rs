@@ -105,6 +105,13 @@ pub(crate) struct HilArgs {
     /// Leave the state at the end in this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
+    /// Measure the delay from input to output by loopback: a tester within this program is at the other end, or at
+    /// LINK, whose wire leads to that of --link.
+    #[arg(long, value_name = "LINK", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    pub(crate) loopback: Option<String>,
+    /// Serve a live page of the loop; on this computer alone where only a port is given.
+    #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = page)]
+    pub(crate) page: Option<std::net::SocketAddr>,
     /// Make a tick longer on purpose, such as 2000:5ms, to see that it is noticed.
     #[arg(long, value_name = "TICK:TIME")]
     pub(crate) stall: Option<String>,
@@ -306,6 +313,16 @@ pub(crate) struct ServeArgs {
     #[cfg(feature = "hil")]
     #[arg(long)]
     pub(crate) real_time: bool,
+}
+
+/// A port of this computer, or an address with a port.
+#[cfg(feature = "hil")]
+fn page(text: &str) -> Result<std::net::SocketAddr, String> {
+    let here = |port| std::net::SocketAddr::from((std::net::Ipv4Addr::LOCALHOST, port));
+    text.parse()
+        .ok()
+        .or_else(|| text.parse().ok().map(here))
+        .ok_or_else(|| format!("`{text}` is neither a port nor an address with a port"))
 }
 
 fn shape(name: &str) -> Result<Shape, String> {

@@ -3,12 +3,15 @@
 
 pub mod board;
 pub mod handover;
+pub mod loopback;
 pub mod pace;
+pub mod page;
 pub mod plant;
 pub mod realtime;
 pub mod recorder;
 pub mod replay;
 pub mod report;
 pub mod runner;
+pub mod shot;
 pub mod tap;
 pub mod timing;

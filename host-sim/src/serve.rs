@@ -6,9 +6,9 @@
 
 pub mod feed;
 mod hub;
-mod pace;
+pub(crate) mod pace;
 pub mod plant;
-mod reading;
+pub(crate) mod reading;
 mod request;
 mod server;
 

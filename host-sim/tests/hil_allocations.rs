@@ -13,6 +13,7 @@ use eclss_host_sim::hil::board::{Pc, note};
 use eclss_host_sim::hil::handover::{Layout, ring};
 use eclss_host_sim::hil::plant::HostPlant;
 use eclss_host_sim::hil::runner::drive;
+use eclss_host_sim::hil::shot::camera;
 use eclss_host_sim::hil::tap::Tap;
 use eclss_host_sim::trace::Column;
 use eclss_target::control::Event;
@@ -77,6 +78,8 @@ fn the_loop_allocates_nothing() {
     let columns = Column::all(&loaded.records);
     let layout = Layout { inputs: described.inputs.len(), figures: columns.len() };
     let (giver, mut taker) = ring(layout, 4_096);
+    let shots = (loaded.all_records().len(), loaded.process.inputs.len() + loaded.process.outputs.len());
+    let (camera, mut album) = camera(loaded, shots.0, shots.1, 25);
     let (link, _keeper) = open(&address(true)).unwrap();
     // The controller's thread makes and cuts a session while the loop runs.
     let other = controller(&source, &address(false), step_us, 1_000);
@@ -86,7 +89,7 @@ fn the_loop_allocates_nothing() {
         let process = Process::new(image, 2e-3, &mut inputs, &mut outputs).unwrap();
         let session = Session::new(config(&source, Role::Plant, step_us), 5);
         let mut coupling = Coupling::new(process, 2e-3, Some(session));
-        let tap = Tap::new(columns, layout.inputs, Some(giver));
+        let tap = Tap::new(columns, layout.inputs, Some(giver), Some(camera));
         let mut plant = HostPlant::new(simulator, &tap);
         let (_orders_in, orders) = rtrb::RingBuffer::new(8);
         let mut board = Pc::new(&tap, Some(link), orders, (true, true), None);
@@ -113,4 +116,11 @@ fn the_loop_allocates_nothing() {
         rows += 1;
     }
     assert_eq!(rows, 1_500);
+    // Nobody looked while it ran: four shots wait, and the others are counted.
+    let mut shots = 0;
+    album.look(|shot| {
+        assert!(shot.values.iter().all(|value| value.is_finite()));
+        shots += 1;
+    });
+    assert_eq!(shots, 4);
 }

@@ -1,6 +1,8 @@
 //! The one seam between the application and a board.
 
-use eclss_core::mode::Request;
+use crate::account::Account;
+use crate::coupling::Coupling;
+use eclss_core::mode::{Machine, Request};
 use eclss_core::process::CONVERTERS;
 use embassy_time::{Instant, Timer};
 
@@ -60,6 +62,8 @@ pub trait Board {
     fn request(&mut self) -> Option<Request> {
         None
     }
+    /// Shows how the tick went, when it is over, to a board that displays it; nothing to write on one that does not.
+    fn observe(&mut self, _account: &Account, _machine: &Machine, _coupling: &Coupling<'_>) {}
     /// Puts every output into the state in which connected hardware is harmless. May be called at any time
     /// and any number of times.
     fn safe_outputs(&mut self);

@@ -181,6 +181,7 @@ pub async fn run<B: Board, P: Plant>(
             state.fail(cause, board, coupling, tick, &mut tell);
         }
         state.tell_mode(tick, &mut tell);
+        board.observe(&account, &state.machine, coupling);
         until_status -= 1;
         if until_status == 0 {
             until_status = settings.status_every.get();

@@ -48,7 +48,8 @@ pub struct Loopback {
 impl Loopback {
     /// Times samples from `low` to `high` that come back as value `output` of the plant's data.
     pub fn new(output: usize, low: f32, high: f32) -> Self {
-        Self { output, low, high, code: 0, stage: Stage::Fresh, newest: 0, discarded: 0 }
+        // Not `low`, which the plant may have from before.
+        Self { output, low, high, code: 1, stage: Stage::Fresh, newest: 0, discarded: 0 }
     }
 
     /// The sample that belongs into every packet now.
@@ -91,9 +92,16 @@ impl Loopback {
             let at_us = received.time_us.saturating_sub(echo.age_us.into());
             self.stage = Stage::Read { at_us, tick: received.tick };
         }
-        let Stage::Read { at_us, tick } = self.stage else { return None };
-        let value = received.data.values.get(self.output)?;
-        if value.to_bits() != self.sample().to_bits() {
+        let is_here =
+            received.data.values.get(self.output).is_some_and(|value| value.to_bits() == self.sample().to_bits());
+        let Stage::Read { at_us, tick } = self.stage else {
+            if is_here {
+                // The plant has had it from before: it would tell nothing.
+                self.next();
+            }
+            return None;
+        };
+        if !is_here {
             return None;
         }
         self.next();
@@ -142,6 +150,15 @@ mod tests {
         loopback.sent(9);
         let back = loopback.came(&packet(4, 13, 13_400, echo(9, 390), next));
         assert_eq!(back, Some(Passed { us: 390, ticks: 0 }));
+    }
+
+    #[test]
+    fn a_sample_that_the_plant_has_already_is_not_timed() {
+        let mut loopback = Loopback::new(0, 0.5, 0.6);
+        let sample = loopback.sample();
+        loopback.sent(1);
+        assert_eq!(loopback.came(&packet(1, 1, 1_000, Echo::default(), sample)), None);
+        assert!(loopback.is_fresh() && loopback.sample().to_bits() != sample.to_bits());
     }
 
     #[test]

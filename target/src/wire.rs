@@ -11,6 +11,7 @@ mod opened;
 pub use address::{Address, AddressError};
 
 use std::io;
+use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -99,6 +100,14 @@ pub fn open(address: &Address) -> io::Result<(Link, Keeper)> {
     Ok((link, Keeper { ends, thread: Some(thread) }))
 }
 
+/// Two ends of a wire within this program. When one is gone, the other stays without.
+pub fn pair() -> io::Result<(Link, Link)> {
+    let (one, other) = UnixStream::pair()?;
+    one.set_nonblocking(true)?;
+    other.set_nonblocking(true)?;
+    Ok((Link::around(Wire::Unix(one)), Link::around(Wire::Unix(other))))
+}
+
 impl Drop for Keeper {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Release);
@@ -110,6 +119,22 @@ impl Drop for Keeper {
 }
 
 impl Link {
+    /// A link that has its wire, and gets no other.
+    fn around(wire: Wire) -> Self {
+        let (_, fresh) = RingBuffer::new(1);
+        let (worn, _) = RingBuffer::new(1);
+        Self {
+            wire: Some(wire),
+            fresh,
+            worn,
+            wanted: Arc::new(AtomicBool::new(false)),
+            came: [0; DATAGRAM],
+            came_from: 0,
+            came_to: 0,
+            counts: LinkCounts { opened: 1, ..LinkCounts::default() },
+        }
+    }
+
     /// Reads what is there, as much as `buffer` holds; 0 when there is nothing for now. The rest waits.
     pub fn read(&mut self, buffer: &mut [u8]) -> usize {
         self.renew();
@@ -195,7 +220,7 @@ mod tests {
     use super::*;
     use std::io::{Read as _, Write as _};
     use std::net::UdpSocket;
-    use std::os::unix::net::{UnixListener, UnixStream};
+    use std::os::unix::net::UnixListener;
     use std::path::PathBuf;
     use std::time::Instant;
 

@@ -10,7 +10,7 @@ use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
 use crate::hil::replay::replay;
 use crate::hil::report::write_report;
-use crate::hil::runner::{self, Job, RecordWishes};
+use crate::hil::runner::{self, Job, Loopback, RecordWishes};
 use crate::run::{Plan, Wishes};
 use crate::{Duration, Failure, Source};
 
@@ -63,6 +63,22 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
     if record.is_none() && !triggers.is_empty() {
         return Err(bad("--capture", "needs --record"));
     }
+    let loopback = match args.loopback.as_deref() {
+        None => None,
+        Some("") if link.is_some() => {
+            return Err(bad("--loopback", "says nothing about where its wire to --link is"));
+        }
+        Some("") => Some(Loopback::Inside),
+        Some(_) if link.is_none() => return Err(bad("--loopback", "needs --link, where its wire leads to")),
+        Some(text) => {
+            let peer = match &link {
+                Some(Address::Udp { local, .. }) => Some(local.to_string()),
+                _ => None,
+            };
+            let address = Address::read(text, peer.as_deref());
+            Some(Loopback::Over(address.map_err(|error| bad("--loopback", &error.to_string()))?))
+        }
+    };
     let start = args.start.as_ref().map(|path| {
         std::fs::read(path)
             .map_err(|error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display())))
@@ -85,6 +101,8 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
         operator: args.operator,
         shows: !args.json,
         interrupts: true,
+        loopback,
+        page: args.page,
     })
 }
 

@@ -3,8 +3,10 @@
 use std::cell::RefCell;
 use std::time::Duration;
 
-use eclss_core::mode::{Mode, Request};
+use eclss_core::mode::{Machine, Mode, Request};
+use eclss_target::account::Account;
 use eclss_target::board::{Board, Converters};
+use eclss_target::coupling::Coupling;
 use rtrb::Consumer;
 
 use super::pace::{Clock, Pace, sleep_until_wall, wall_ns};
@@ -209,6 +211,10 @@ impl Board for Pc<'_> {
         self.request.take()
     }
 
+    fn observe(&mut self, account: &Account, machine: &Machine, coupling: &Coupling<'_>) {
+        self.tap.borrow_mut().observe(account, machine, coupling);
+    }
+
     fn safe_outputs(&mut self) {}
 
     /// The first thing in a tick: the watchdog is the kernel's, but here the tick is stalled where that was asked for.
@@ -251,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_clock_that_stands_gives_out_ticks_by_number_and_ends_on_order() {
-        let tap = Tap::new(Vec::new(), 0, None);
+        let tap = Tap::new(Vec::new(), 0, None, None);
         let (mut orders, taken) = RingBuffer::new(8);
         let mut board = Pc::new(&tap, None, taken, (false, true), None);
         for order in [Order::Ticks(1), Order::Pace(Pace::Paused), Order::Ticks(3)] {
@@ -270,7 +276,7 @@ mod tests {
     /// Nobody makes armed hardware wait: the pace stays, and one that was set before ends.
     #[test]
     fn with_hardware_armed_only_the_walls_time_is_taken() {
-        let tap = Tap::new(Vec::new(), 0, None);
+        let tap = Tap::new(Vec::new(), 0, None, None);
         let (mut orders, taken) = RingBuffer::new(8);
         let mut board = Pc::new(&tap, None, taken, (true, true), None);
         orders.push(Order::Pace(Pace::Scaled(50.0))).unwrap();
@@ -288,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_request_is_asked_once() {
-        let tap = Tap::new(Vec::new(), 0, None);
+        let tap = Tap::new(Vec::new(), 0, None, None);
         let (mut orders, taken) = RingBuffer::new(8);
         let mut board = Pc::new(&tap, None, taken, (true, true), None);
         orders.push(Order::Mode(Request::Hold)).unwrap();

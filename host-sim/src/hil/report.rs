@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use eclss_core::protocol::Counters;
 use serde::Serialize;
 
+use super::loopback::LoopbackFigures;
 use super::timing::{Bucket, Summary};
 use eclss_target::wire::LinkCounts;
 
@@ -63,6 +64,10 @@ pub struct Report {
     pub in_out: Summary,
     /// The link, where there is one.
     pub link: Option<LinkFigures>,
+    /// Channels of the process image, inputs first.
+    pub channels: Vec<ChannelFigures>,
+    /// In→out delay by loopback, where it was measured.
+    pub loopback: Option<LoopbackFigures>,
     /// Mode at the end.
     pub mode: &'static str,
     /// Why it is SAFE, if it is.
@@ -158,6 +163,27 @@ impl LinkFigures {
     }
 }
 
+/// What a channel was worth.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ChannelFigures {
+    /// Its slot or point.
+    pub name: String,
+    /// `in` to the plant or `out` of it.
+    pub direction: &'static str,
+    /// What its value was worth at the end.
+    pub quality: &'static str,
+    /// Values that were NaN or infinite.
+    pub not_finite: u32,
+    /// Values rejected because they were out of range.
+    pub out_of_range: u32,
+    /// Values rejected because they had changed faster than the channel can.
+    pub too_fast: u32,
+    /// Values rejected because no sound wire carries them.
+    pub open_wire: u32,
+    /// Values limited to the range.
+    pub limited: u32,
+}
+
 /// Figures of the record.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct RecordFigures {
@@ -243,6 +269,10 @@ pub fn write_report(out: &mut dyn Write, report: &Report) -> io::Result<()> {
     if let Some(link) = &report.link {
         write_link(out, link)?;
     }
+    write_channels(out, &report.channels)?;
+    if let Some(loopback) = &report.loopback {
+        write_loopback(out, loopback)?;
+    }
     if let Some(record) = &report.record {
         writeln!(
             out,
@@ -267,6 +297,47 @@ fn times(out: &mut dyn Write, name: &str, times: &Summary) -> io::Result<()> {
         out,
         "{name:<14} {min_us:>8.1} {avg_us:>8.1} {p50_us:>8.1} {p99_us:>8.1} {p999_us:>8.1} {max_us:>8.1}"
     )
+}
+
+fn write_channels(out: &mut dyn Write, channels: &[ChannelFigures]) -> io::Result<()> {
+    if channels.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "channels                                    at the end   not finite  range  too fast  wire  limited"
+    )?;
+    for channel in channels {
+        let ChannelFigures {
+            name,
+            direction,
+            quality,
+            not_finite,
+            out_of_range,
+            too_fast,
+            open_wire,
+            limited,
+        } = channel;
+        writeln!(
+            out,
+            "  {direction:<3} {name:<37} {quality:<12} {not_finite:>10} {out_of_range:>6} {too_fast:>9} \
+             {open_wire:>5} {limited:>8}"
+        )?;
+    }
+    Ok(())
+}
+
+fn write_loopback(out: &mut dyn Write, loopback: &LoopbackFigures) -> io::Result<()> {
+    let LoopbackFigures { channel, in_out, jitter_us, ticks: [least, most], end_to_end, discarded } =
+        loopback;
+    writeln!(
+        out,
+        "loopback        {} samples through {channel}: {least} to {most} ticks, jitter {jitter_us:.1} µs; {discarded} \
+         given up",
+        in_out.count
+    )?;
+    times(out, "  in to out", in_out)?;
+    times(out, "  end to end", end_to_end)
 }
 
 fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io::Result<()> {

@@ -1,18 +1,20 @@
 //! A run with hardware: one thread for the loop, this one for record, display and operator.
 
 mod housekeeping;
+mod summary;
 
 use std::cell::RefCell;
 use std::io::Write;
+use std::net::SocketAddr;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::pin::pin;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Waker};
 use std::time::Duration;
 
 use eclss_core::Settings;
-use eclss_core::mode::{Cause, Mode};
-use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
+use eclss_core::process::{Image, InputState, Order as OutputOrder, OutputState, Process};
 use eclss_core::protocol::{Config, Estimate, Link as Session, Role};
 use eclss_target::control::{self, Event};
 use eclss_target::coupling::{Coupling, LinkReport, link_counts};
@@ -21,17 +23,21 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::board::{Measured, Order, Pc, Stall, note};
 use super::handover::{Giver, Layout, ring};
+use super::loopback::{LoopbackFigures, Probe};
 use super::pace::Pace;
+use super::page::{Page, catalogue};
 use super::plant::HostPlant;
 use super::realtime::{Wishes, become_real_time};
 use super::recorder::{self, Recorder, Trigger};
-use super::report::{FORMAT, LinkFigures, Machine, Overruns, RecordFigures, Report};
+use super::report::{ChannelFigures, Report};
+use super::shot::Camera;
 use super::tap::Tap;
 use crate::refusal::refused;
 use crate::trace::Column;
 use crate::{Failure, HostBuffers, Source};
-use eclss_target::wire::{Address, Link, LinkCounts, open};
+use eclss_target::wire::{Address, Link, LinkCounts, open, pair};
 use housekeeping::Housekeeping;
+use summary::{Seen, cause, channels, report};
 
 /// Time of rows for which there is room between loop and recorder [s].
 const ROOM_S: u64 = 4;
@@ -87,6 +93,19 @@ pub struct Job {
     pub shows: bool,
     /// Whether an interrupt ends the run in good order.
     pub interrupts: bool,
+    /// Whether and where a tester measures the delay by loopback.
+    pub loopback: Option<Loopback>,
+    /// Where the page is served.
+    pub page: Option<SocketAddr>,
+}
+
+/// Where the tester of a loopback is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Loopback {
+    /// At the other end of a socket within this program.
+    Inside,
+    /// At this address, whose wire leads to that of the link.
+    Over(Address),
 }
 
 /// What the loop leaves behind.
@@ -102,6 +121,9 @@ struct Outcome {
     link_counts: Option<LinkCounts>,
     checkpoint: Vec<u8>,
     events_lost: u64,
+    process_id: u64,
+    channels: Vec<ChannelFigures>,
+    loopback: Option<LoopbackFigures>,
 }
 
 /// The loop's ends of what leads to the other thread.
@@ -110,13 +132,14 @@ struct Ends {
     events: Producer<Event>,
     orders: Consumer<Order>,
     link: Option<Link>,
+    camera: Option<Camera>,
 }
 
 /// Runs `job` on `source`; what happens meanwhile is written to `out`.
 pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Failure> {
     let loaded = &source.loaded;
     let bound = !loaded.process.inputs.is_empty() || !loaded.process.outputs.is_empty();
-    if bound && job.link.is_some() && job.pace != Pace::Real {
+    if bound && (job.link.is_some() || job.loopback.is_some()) && job.pace != Pace::Real {
         let text = "hardware is bound to this network: it runs in real time, or without --link";
         return Err(Failure::BadInput(text.into()));
     }
@@ -128,6 +151,8 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
         let wrong = |error| Failure::BadInput(format!("the checkpoint to start from: {error}"));
         simulator.restore(bytes).map_err(wrong)?;
     }
+    let probe = job.loopback.as_ref().map(|_| Probe::new(&loaded.process, simulator.inputs())).transpose();
+    let probe = probe.map_err(|why| Failure::BadInput(format!("--loopback: {why}")))?;
     let mut start = vec![0; simulator.checkpoint_bytes()];
     simulator.save(&mut start).map_err(|error| Failure::Failed(format!("cannot save the start: {error}")))?;
 
@@ -159,21 +184,41 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     } else {
         (None, None)
     };
-    let (link, keeper) = job
-        .link
-        .as_ref()
-        .map(open)
-        .transpose()
-        .map_err(|error| Failure::BadInput(error.to_string()))?
-        .unzip();
+    let broken = |error: std::io::Error| Failure::BadInput(error.to_string());
+    let (link, keeper) = job.link.as_ref().map(open).transpose().map_err(broken)?.unzip();
     let (events, events_out) = RingBuffer::new(EVENTS);
     let (orders_in, orders) = RingBuffer::new(EVENTS);
-    let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in);
-    let ends = Ends { giver, events, orders, link };
+    let (link, tester) = match &job.loopback {
+        None => (link, None),
+        Some(Loopback::Inside) => {
+            let (ours, testers) = pair().map_err(broken)?;
+            (Some(ours), Some((testers, None)))
+        }
+        Some(Loopback::Over(address)) => {
+            let (testers, keeper) = open(address).map_err(broken)?;
+            (link, Some((testers, Some(keeper))))
+        }
+    };
+    let (mut page, mut camera) = (None, None);
+    if let Some(address) = job.page {
+        let catalogue = catalogue(source, job.settings, "this computer, with hardware")?;
+        let values = catalogue.values.len();
+        let served = Page::new(source, catalogue, job.settings, address)?;
+        if job.shows {
+            // Who does not read our output does not stop hardware.
+            let _ = writeln!(out, "page http://{}/", served.address());
+        }
+        let (shutter, album) = served.camera(source, values);
+        (page, camera) = (Some((served, album)), Some(shutter));
+    }
+    let names = Names::of(source, probe.as_ref());
+    let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
+    let ends = Ends { giver, events, orders, link, camera };
+    let tested = AtomicBool::new(false);
     let started = std::time::Instant::now();
-    let outcome = std::thread::scope(|scope| {
+    let outcome = std::thread::scope(|scope| -> Result<Outcome, Failure> {
         let thread = std::thread::Builder::new().name("loop".into()).spawn_scoped(scope, || {
-            loaded.process.with_image(|image| {
+            with_image(source, probe.as_ref(), |image| {
                 let mut states = (
                     vec![InputState::new(0.0); image.inputs.len()],
                     vec![OutputState::new(0.0); image.outputs.len()],
@@ -181,33 +226,39 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
                 let step_s = job.settings.step_us as f32 * 1e-6;
                 let process = Process::new(image, step_s, &mut states.0, &mut states.1)
                     .map_err(|error| Failure::Failed(format!("the process image: {error:?}")))?;
-                let (inputs, outputs) = link_counts(&image);
-                let config = Config {
-                    role: Role::Plant,
-                    network_id: simulator.network_id(),
-                    process_id: image.id(),
-                    step_us: job.settings.step_us,
-                    inputs,
-                    outputs,
-                    ..Config::default()
-                };
+                let config = config(&image, simulator.network_id(), job.settings.step_us, Role::Plant);
                 let session = ends.link.is_some().then(|| Session::new(config, epoch_ns as u32 | 1));
                 let coupling = Coupling::new(process, step_s, session);
-                let tap = Tap::new(columns, layout.inputs, ends.giver);
+                let tap = Tap::new(columns, layout.inputs, ends.giver, ends.camera);
                 let plant = HostPlant::new(simulator, &tap);
                 let latched = image.order == OutputOrder::Latched;
                 let armable = (image.is_bound() && ends.link.is_some(), latched);
                 let board = Pc::new(&tap, ends.link, ends.orders, armable, job.stall);
-                in_thread(job, board, plant, coupling, &tap, ends.events)
+                in_thread(job, board, plant, coupling, &tap, ends.events, &names.0)
             })
         });
         let thread = thread.map_err(|error| Failure::Failed(format!("cannot start the loop: {error}")))?;
+        let tester = tester.zip(probe.as_ref()).map(|((link, keeper), probe)| {
+            let config = with_image(source, Some(probe), |image| {
+                config(&image, loaded.network().id(), job.settings.step_us, Role::Controller)
+            });
+            let (probe, tested) = (probe.clone(), &tested);
+            scope.spawn(move || {
+                let figures = probe.test(link, config, tested);
+                drop(keeper);
+                figures
+            })
+        });
         while !thread.is_finished() {
             housekeeping.turn();
             std::thread::sleep(Duration::from_millis(5));
         }
         housekeeping.turn();
-        thread.join().unwrap_or_else(|_| Err(Failure::Failed("the loop panicked".into())))
+        tested.store(true, Ordering::Release);
+        let loopback = tester.map(|tester| tester.join()).transpose();
+        let outcome = thread.join().unwrap_or_else(|_| Err(Failure::Failed("the loop panicked".into())))?;
+        let loopback = loopback.map_err(|_| Failure::Failed("the tester panicked".into()))?;
+        Ok(Outcome { loopback, ..outcome })
     })?;
     drop(keeper);
     let wall_s = started.elapsed().as_secs_f64();
@@ -218,6 +269,34 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     Ok(report(source, job, &outcome, seen, wall_s))
 }
 
+/// Names of the channels of the image that runs, inputs first.
+struct Names(Vec<String>);
+
+impl Names {
+    fn of(source: &Source, probe: Option<&Probe>) -> Self {
+        let process = &source.loaded.process;
+        let inputs = process.inputs.iter().map(|entry| entry.name.clone());
+        let outputs = process.outputs.iter().map(|entry| entry.name.clone());
+        let added = probe.map(|probe| format!("{} (loopback)", probe.name));
+        Self(inputs.chain(outputs).chain(added).collect())
+    }
+}
+
+/// Lends the process image that runs.
+fn with_image<T>(source: &Source, probe: Option<&Probe>, take: impl FnOnce(Image<'_>) -> T) -> T {
+    let process = &source.loaded.process;
+    match probe {
+        None => process.with_image(take),
+        Some(probe) => probe.with_image(process, take),
+    }
+}
+
+/// What both ends of the link agree on.
+fn config(image: &Image<'_>, network_id: u64, step_us: u32, role: Role) -> Config {
+    let (inputs, outputs) = link_counts(image);
+    Config { role, network_id, process_id: image.id(), step_us, inputs, outputs, ..Config::default() }
+}
+
 /// Everything is allocated: from here to the end of the loop nothing is.
 fn in_thread(
     job: &Job,
@@ -226,6 +305,7 @@ fn in_thread(
     mut coupling: Coupling<'_>,
     tap: &RefCell<Tap>,
     mut events: Producer<Event>,
+    names: &[String],
 ) -> Result<Outcome, Failure> {
     let missing = become_real_time(Wishes { core: job.core });
     board.start_at(job.pace).map_err(|why| Failure::BadInput(why.into()))?;
@@ -254,6 +334,9 @@ fn in_thread(
         measured,
         checkpoint,
         events_lost,
+        process_id: coupling.process().image().id(),
+        channels: channels(names, coupling.process()),
+        loopback: None,
     })
 }
 
@@ -279,80 +362,4 @@ pub fn drive(
     let looped = pin!(control::run(board, plant, coupling, &settings, tell));
     // The board blocks where it waits, so that one poll runs to the end; it is pending once the end was ordered.
     let _ = looped.poll(&mut Context::from_waker(Waker::noop()));
-}
-
-/// What the other thread saw of the loop.
-struct Seen {
-    account: Option<eclss_target::account::Account>,
-    mode: Mode,
-    cause: Option<Cause>,
-    record: Option<RecordFigures>,
-}
-
-fn report(source: &Source, job: &Job, outcome: &Outcome, seen: Seen, wall_s: f64) -> Report {
-    let loaded = &source.loaded;
-    let measured = &outcome.measured;
-    let step_us = job.settings.step_us;
-    let step_s = f64::from(step_us) * 1e-6;
-    let tick = measured.tick.summary();
-    let account = seen.account;
-    let link = job.link.as_ref().zip(outcome.link).map(|(address, link)| {
-        let bytes = outcome.link_counts.unwrap_or_default();
-        LinkFigures {
-            round_trip_us: outcome.clock.map(|clock| clock.round_trip_us),
-            peer_offset_us: outcome.clock.map(|clock| clock.offset_us),
-            peer_drift_ppm: outcome.drift_ppb.map(|ppb| ppb as f64 / 1e3),
-            ..LinkFigures::new(address.to_string(), bytes, link.connected, &link.counters)
-        }
-    });
-    Report {
-        format: FORMAT,
-        network: source.name.clone(),
-        network_id: format!("{:016x}", loaded.network().id()),
-        process_id: format!("{:016x}", loaded.process.id()),
-        method: job.settings.method.name(),
-        step_s,
-        order: if loaded.process.order == OutputOrder::Latched { "latched" } else { "immediate" },
-        machine: Machine::this(),
-        missing: outcome.missing.clone(),
-        target_hz: 1.0 / step_s,
-        actual_hz: account.map_or(0.0, |account| f64::from(account.actual_millihertz()) / 1e3),
-        ticks: tick.count,
-        headroom: 1.0 - tick.max_us / f64::from(step_us),
-        tick,
-        wake_up: measured.wake.summary(),
-        wake_up_histogram: measured.wake.buckets(),
-        overruns: Overruns {
-            total: account.map_or(0, |account| account.overruns),
-            consecutive: account.map_or(0, |account| account.worst_consecutive_overruns),
-            start_up: account.map_or(0, |account| account.startup_overruns),
-        },
-        missed_ticks: account.map_or(0, |account| account.skipped),
-        loop_s: tick.count as f64 * step_s,
-        plant_s: outcome.plant_ticks as f64 * step_s,
-        wall_s,
-        lag_s: account.map_or(0.0, |account| account.lag_us() as f64 * 1e-6),
-        in_out: measured.in_out.summary(),
-        link,
-        mode: seen.mode.name(),
-        cause: seen.cause.map(cause),
-        state_hash: format!("{:016x}", outcome.state_hash),
-        record: seen.record,
-        events_lost: outcome.events_lost,
-    }
-}
-
-/// Why it is SAFE, in words.
-fn cause(cause: Cause) -> String {
-    match cause {
-        Cause::Reset => "the last run did not end well".into(),
-        Cause::Overruns { in_a_row } => format!("{in_a_row} overruns in a row"),
-        Cause::Lag { lag_us } => format!("{lag_us} µs behind the wall"),
-        Cause::Plant(fault) => {
-            format!("the plant cannot be trusted: {:?} in step {}", fault.place, fault.tick)
-        }
-        Cause::Silence { ticks } => format!("the link was silent for {ticks} ticks"),
-        Cause::Input { channel } => format!("input channel {channel} was lost"),
-        Cause::Operator => "the operator's stop".into(),
-    }
 }

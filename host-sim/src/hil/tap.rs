@@ -2,10 +2,14 @@
 
 use std::cell::RefCell;
 
+use eclss_core::Simulator;
+use eclss_core::mode::Machine;
 use eclss_core::mode::Mode;
-use eclss_core::{Element, Simulator};
+use eclss_target::account::Account;
+use eclss_target::coupling::Coupling;
 
 use super::handover::{Giver, Head, Layout};
+use super::shot::Camera;
 use crate::trace::{Column, Segments};
 
 /// The present tick. Board and plant share it; both live in the loop's thread, one after the other.
@@ -17,6 +21,7 @@ pub struct Tap {
     /// Value and slope of every input slot that was set in this tick; NaN for one that was left as it is.
     inputs: Vec<[f32; 2]>,
     giver: Option<Giver>,
+    camera: Option<Camera>,
     layout: Layout,
     plant_tick: u64,
     stepped: bool,
@@ -28,8 +33,13 @@ pub struct Tap {
 const LEFT: [f32; 2] = [f32::NAN; 2];
 
 impl Tap {
-    /// Gathers `columns` and `slots` inputs for `giver`, if there is one.
-    pub fn new(columns: Vec<Column>, slots: usize, giver: Option<Giver>) -> RefCell<Self> {
+    /// Gathers `columns` and `slots` inputs for `giver`, and shots for `camera`, if there are such.
+    pub fn new(
+        columns: Vec<Column>,
+        slots: usize,
+        giver: Option<Giver>,
+        camera: Option<Camera>,
+    ) -> RefCell<Self> {
         let layout = Layout { inputs: slots, figures: columns.len() };
         RefCell::new(Self {
             figures: vec![f32::NAN; columns.len()],
@@ -37,6 +47,7 @@ impl Tap {
             segments: None,
             columns,
             giver,
+            camera,
             layout,
             plant_tick: 0,
             stepped: false,
@@ -53,7 +64,10 @@ impl Tap {
     }
 
     /// Reads the figures; the first time makes room.
-    pub fn read<E: Element>(&mut self, simulator: &Simulator<'_, E>, stepped: bool) {
+    pub fn read(&mut self, simulator: &Simulator<'_>, stepped: bool) {
+        if let Some(camera) = &mut self.camera {
+            camera.read(simulator);
+        }
         if self.giver.is_none() {
             return;
         }
@@ -76,6 +90,13 @@ impl Tap {
         self.mode
     }
 
+    /// Ends a tick for the page.
+    pub fn observe(&mut self, account: &Account, machine: &Machine, coupling: &Coupling<'_>) {
+        if let Some(camera) = &mut self.camera {
+            camera.observe(account, machine, coupling);
+        }
+    }
+
     /// Takes note of releases that the tick ran over.
     pub fn skipped(&mut self, releases: u32) {
         self.skipped = releases;
@@ -95,6 +116,9 @@ impl Tap {
             stepped: self.stepped,
             dropped: 0,
         };
+        if let Some(camera) = &mut self.camera {
+            camera.note(head.tick_ns);
+        }
         if let Some(giver) = &mut self.giver {
             giver.give(head, self.inputs.iter().copied(), self.figures.iter().copied(), self.layout);
         }

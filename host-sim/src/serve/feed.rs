@@ -115,6 +115,17 @@ pub struct Catalogue {
     pub nodes: Vec<NodeInfo>,
     /// Lines in the numbering of the schematic.
     pub lines: Vec<LineInfo>,
+    /// Channels to hardware, inputs first; empty where there is none.
+    pub channels: Vec<ChannelInfo>,
+}
+
+/// A channel to hardware.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ChannelInfo {
+    /// Id of its slot or point.
+    pub id: String,
+    /// Whether it goes from hardware to the plant.
+    pub input: bool,
 }
 
 /// A node for the page.
@@ -182,6 +193,54 @@ pub struct Figures {
     pub refused: u64,
 }
 
+/// The loop and its hardware at one moment.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+pub struct Hardware {
+    /// Mode.
+    pub mode: &'static str,
+    /// Why it is SAFE, where it is.
+    pub cause: Option<&'static str>,
+    /// Rate reached [Hz].
+    pub rate_hz: f64,
+    /// Ticks that ended after the next release.
+    pub overruns: u32,
+    /// The most of them in a row.
+    pub overruns_in_a_row: u32,
+    /// Releases at which no tick ran.
+    pub missed: u64,
+    /// Longest wake-up after its release [µs].
+    pub late_us: u32,
+    /// What each channel is worth, in the order of [`Catalogue::channels`].
+    pub quality: Vec<&'static str>,
+    /// Values of each channel that were rejected since the start.
+    pub rejected: Vec<u32>,
+    /// The link, where there is one.
+    pub link: Option<Wire>,
+}
+
+/// A link at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Wire {
+    /// Whether there is a session.
+    pub connected: bool,
+    /// Sessions that began.
+    pub sessions: u32,
+    /// Frames that were taken.
+    pub accepted: u32,
+    /// Frames that never came.
+    pub lost: u32,
+    /// Frames that came late, out of order or twice.
+    pub late: u32,
+    /// Frames that were damaged.
+    pub damaged: u32,
+    /// Frames that were meant for somebody else.
+    pub foreign: u32,
+    /// Ticks since data came.
+    pub silence: u32,
+    /// Time that a frame takes to the peer and back [µs], of the fastest exchange.
+    pub round_trip_us: Option<u64>,
+}
+
 /// All values of one moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Frame {
@@ -191,6 +250,8 @@ pub struct Frame {
     pub values: Vec<f32>,
     /// State of each input.
     pub inputs: Vec<InputState>,
+    /// The loop and its hardware, where the plant runs in one.
+    pub hardware: Option<Hardware>,
 }
 
 /// What moves an input.
@@ -242,6 +303,7 @@ pub fn feed(catalogue: Catalogue) -> (Publisher, Feed) {
         figures: Figures::default(),
         values: vec![f32::NAN; catalogue.values.len()],
         inputs: vec![InputState::Free; catalogue.inputs.len()],
+        hardware: None,
     };
     if let Ok(mut held) = slot.frame.lock() {
         held.0 = blank();
@@ -315,6 +377,7 @@ mod tests {
             inputs: Vec::new(),
             nodes: Vec::new(),
             lines: Vec::new(),
+            channels: Vec::new(),
         }
     }
 

@@ -73,9 +73,11 @@ fn event(frame: &Frame, number: u64, missed: u64) -> String {
     let mut text = String::with_capacity(32 + 12 * frame.values.len());
     let figures = serde_json::to_string(&frame.figures).unwrap_or_else(|_| "{}".into());
     let inputs = serde_json::to_string(&frame.inputs).unwrap_or_else(|_| "[]".into());
+    let hardware = serde_json::to_string(&frame.hardware).unwrap_or_else(|_| "null".into());
     let _ = write!(
         text,
-        "data: {{\"frame\":{number},\"missed\":{missed},\"figures\":{figures},\"inputs\":{inputs},\"values\":["
+        "data: {{\"frame\":{number},\"missed\":{missed},\"figures\":{figures},\"inputs\":{inputs},\
+         \"hardware\":{hardware},\"values\":["
     );
     for (index, value) in frame.values.iter().enumerate() {
         let comma = if index == 0 { "" } else { "," };

@@ -83,33 +83,33 @@ impl Pace {
 
 /// What steps cost.
 #[derive(Debug)]
-pub(super) struct Costs {
+pub(crate) struct Costs {
     window: Histogram<u64>,
     began: Instant,
     /// Mean of the last full window [µs].
-    pub(super) mean_us: f64,
+    pub(crate) mean_us: f64,
     /// 99th percentile of the last full window [µs].
-    pub(super) p99_us: f64,
+    pub(crate) p99_us: f64,
     /// Longest step of all [µs].
-    pub(super) worst_us: f64,
+    pub(crate) worst_us: f64,
 }
 
 impl Costs {
     /// `None` where the histogram refuses its bounds, which are constants.
-    pub(super) fn new() -> Option<Self> {
+    pub(crate) fn new() -> Option<Self> {
         let window = Histogram::new_with_bounds(1, LONGEST_NS, 3).ok()?;
         Some(Self { window, began: Instant::now(), mean_us: 0.0, p99_us: 0.0, worst_us: 0.0 })
     }
 
     /// Notes one step.
-    pub(super) fn note(&mut self, cost: Duration) {
+    pub(crate) fn note(&mut self, cost: Duration) {
         let ns = u64::try_from(cost.as_nanos()).unwrap_or(LONGEST_NS).clamp(1, LONGEST_NS);
         self.window.saturating_record(ns);
         self.worst_us = self.worst_us.max(ns as f64 * 1e-3);
     }
 
     /// Closes the window if it is old enough.
-    pub(super) fn close(&mut self, now: Instant) {
+    pub(crate) fn close(&mut self, now: Instant) {
         if now - self.began >= WINDOW && !self.window.is_empty() {
             self.mean_us = self.window.mean() * 1e-3;
             self.p99_us = self.window.value_at_quantile(0.99) as f64 * 1e-3;

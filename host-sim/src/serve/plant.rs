@@ -110,6 +110,7 @@ impl Plant {
                     elements: line.elements.into_iter().map(|element| (element.id, element.kind)).collect(),
                 })
                 .collect(),
+            channels: Vec::new(),
         }
     }
 

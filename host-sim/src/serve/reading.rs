@@ -9,13 +9,13 @@ use crate::trace::{Figure, Segments};
 
 /// What is published of a network, and how it is read.
 #[derive(Debug, Clone)]
-pub(super) struct Reading {
+pub(crate) struct Reading {
     figures: Vec<Figure>,
 }
 
 /// Published values: everything that a run can write down, then φ of what the method slows: `relaxation` lines,
 /// `adaptive` nodes.
-pub(super) fn values(loaded: &Loaded, method: Method) -> Vec<Value> {
+pub(crate) fn values(loaded: &Loaded, method: Method) -> Vec<Value> {
     let records = loaded.all_records();
     let mut values: Vec<_> = records
         .iter()
@@ -31,13 +31,13 @@ pub(super) fn values(loaded: &Loaded, method: Method) -> Vec<Value> {
 }
 
 impl Reading {
-    pub(super) fn new(loaded: &Loaded) -> Self {
+    pub(crate) fn new(loaded: &Loaded) -> Self {
         let figures = loaded.all_records().iter().map(|record| Figure::Point(record.quantity)).collect();
         Self { figures }
     }
 
     /// Reads all values, in the order of [`values`].
-    pub(super) fn read(&self, simulator: &Simulator<'_>, segments: &mut Segments, into: &mut [f32]) {
+    pub(crate) fn read(&self, simulator: &Simulator<'_>, segments: &mut Segments, into: &mut [f32]) {
         segments.read(simulator);
         for (figure, value) in self.figures.iter().zip(into.iter_mut()) {
             *value = figure.read(simulator, segments);

@@ -18,7 +18,7 @@ const CONNECTIONS: usize = 64;
 const WRITE: Duration = Duration::from_secs(5);
 
 /// Files of the page: path, type, content. All of it is part of the program.
-const FILES: [(&str, &str, &str); 10] = [
+const FILES: [(&str, &str, &str); 11] = [
     ("/", "text/html; charset=utf-8", include_str!("../../page/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("../../page/page.css")),
     ("/schematic.css", "text/css; charset=utf-8", include_str!("../../page/schematic.css")),
@@ -29,6 +29,7 @@ const FILES: [(&str, &str, &str); 10] = [
     ("/trends.js", SCRIPT, include_str!("../../page/trends.js")),
     ("/controls.js", SCRIPT, include_str!("../../page/controls.js")),
     ("/recorder.js", SCRIPT, include_str!("../../page/recorder.js")),
+    ("/hardware.js", SCRIPT, include_str!("../../page/hardware.js")),
 ];
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const JSON: &str = "application/json";

@@ -49,6 +49,8 @@ pub(crate) fn job(source: &Source, step_us: u32, ticks: u64) -> Job {
         operator: false,
         shows: false,
         interrupts: false,
+        loopback: None,
+        page: None,
     }
 }
 
@@ -79,7 +81,7 @@ pub(crate) fn controller(source: &Source, address: &Address, step_us: u32, ticks
     let address = address.clone();
     std::thread::spawn(move || {
         let (link, _keeper) = open(&address).unwrap();
-        let tap = Tap::new(Vec::new(), 0, None);
+        let tap = Tap::new(Vec::new(), 0, None, None);
         let (_orders, orders) = rtrb::RingBuffer::new(1);
         let mut board = Pc::new(&tap, Some(link), orders, (true, true), None);
         let step_s = step_us as f32 * 1e-6;

@@ -17,8 +17,10 @@ use crate::Failure;
 use crate::hil::board::Order;
 use crate::hil::handover::Taker;
 use crate::hil::pace::Pace;
+use crate::hil::page::Page;
 use crate::hil::recorder::Recorder;
 use crate::hil::report::RecordFigures;
+use crate::hil::shot::Album;
 
 /// Status events between two lines of the display, and between two attempts to arm.
 const SHOW_EVERY: u32 = 10;
@@ -42,6 +44,7 @@ pub(super) struct Housekeeping<'o> {
     cause: Option<Cause>,
     until_shown: u32,
     begun_us: u64,
+    page: Option<(Page, Album)>,
 }
 
 impl<'o> Housekeeping<'o> {
@@ -52,6 +55,7 @@ impl<'o> Housekeeping<'o> {
         rows: Option<Taker>,
         events: Consumer<Event>,
         orders: Producer<Order>,
+        page: Option<(Page, Album)>,
     ) -> Self {
         Self {
             out,
@@ -69,6 +73,7 @@ impl<'o> Housekeeping<'o> {
             cause: None,
             until_shown: 0,
             begun_us: 0,
+            page,
         }
     }
 
@@ -88,6 +93,9 @@ impl<'o> Housekeeping<'o> {
                     self.recorder = None;
                 }
             }
+        }
+        if let Some((page, album)) = &mut self.page {
+            album.look(|shot| page.show(shot));
         }
         self.take_orders();
         if self.interrupted.swap(false, Ordering::Relaxed) {
