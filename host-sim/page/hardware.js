@@ -1,5 +1,7 @@
 // The loop and its hardware: mode, overruns, link, and what each channel is worth. Hidden where there is none.
 
+import { show } from "./units.js";
+
 const element = (id) => document.getElementById(id);
 
 const row = (cells, kind) => {
@@ -27,10 +29,13 @@ export class Hardware {
     const { link } = hardware;
     const lines = [
       ["Mode", hardware.cause ? `${hardware.mode}: ${hardware.cause}` : hardware.mode, hardware.mode === "SAFE"],
-      ["Rate", `${hardware.rate_hz.toFixed(1)} Hz`],
-      ["Overruns", `${hardware.overruns}, ${hardware.overruns_in_a_row} in a row`, hardware.overruns > 0],
-      ["Missed ticks", String(hardware.missed), hardware.missed > 0],
-      ["Latest wake-up", `${hardware.late_us} µs`],
+      ["Rate", `${show(hardware.rate_hz, 1)} Hz`],
+      // A board that is only watched tells of its channels, not of its timing.
+      ...(hardware.overruns === null ? [] : [
+        ["Overruns", `${hardware.overruns}, ${hardware.overruns_in_a_row} in a row`, hardware.overruns > 0],
+        ["Missed ticks", String(hardware.missed), hardware.missed > 0],
+        ["Latest wake-up", `${hardware.late_us} µs`],
+      ]),
       ["Link", link ? (link.connected ? "up" : "down") : "none", Boolean(link) && !link.connected],
       ...(link ? [
         ["Frames taken", `${link.accepted} in ${link.sessions} sessions`],
@@ -56,7 +61,7 @@ export class Hardware {
     this.rows.forEach((cells, place) => {
       const [, , quality, rejected] = cells.children;
       quality.textContent = hardware.quality[place] ?? "";
-      rejected.textContent = String(hardware.rejected[place] ?? 0);
+      rejected.textContent = String(hardware.rejected[place] ?? "–");
     });
   }
 }

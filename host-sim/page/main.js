@@ -105,8 +105,8 @@ function figures(built, frame) {
   const closure = Number.isFinite(f.closure) && f.closure !== null ? f.closure.toExponential(1).replace("-", "−") : "–";
   const lines = [
     ["Plant time", `${show(f.t_s, 2)} s`], ["Tick", String(f.tick)], ["Speed", f.paused ? "held" : `× ${f.speed}`],
-    ["Overruns", String(f.overruns), f.overruns > 0], ["Behind the clock", `${show(f.lag_s, 3)} s`],
-    ["Headroom", `${show(f.headroom * 100, 1)} %`, f.headroom < 0.2], ["Step, mean", us(f.mean_us)],
+    ["Overruns", f.overruns === null ? "–" : String(f.overruns), f.overruns > 0], ["Behind the clock", `${show(f.lag_s, 3)} s`],
+    ["Headroom", f.headroom === null ? "–" : `${show(f.headroom * 100, 1)} %`, f.headroom !== null && f.headroom < 0.2], ["Step, mean", us(f.mean_us)],
     ["Step, 99 %", us(f.p99_us)], ["Step, worst", us(f.worst_us)],
     ["φ now", show(f.phi, 4)], ["φ_min", show(f.phi_worst, 4)], ["Ledger lacks", closure],
     ["State", f.trusted ? "trusted" : "left its range", !f.trusted],

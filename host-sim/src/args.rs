@@ -47,6 +47,9 @@ pub(crate) enum Command {
     /// Run the plant in real time with hardware on it, or none.
     #[cfg(feature = "hil")]
     Hil(HilArgs),
+    /// Watch a board that runs the plant itself: test bench, recorder and operator at the other end of its link.
+    #[cfg(feature = "hil")]
+    Watch(WatchArgs),
     /// Run a recorded run again and compare how it ends.
     #[cfg(feature = "hil")]
     Replay(ReplayArgs),
@@ -115,6 +118,49 @@ pub(crate) struct HilArgs {
     /// Make a tick longer on purpose, such as 2000:5ms, to see that it is noticed.
     #[arg(long, value_name = "TICK:TIME")]
     pub(crate) stall: Option<String>,
+    /// Print one JSON object at the end instead of lines and a table.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `watch`.
+#[cfg(feature = "hil")]
+#[derive(Debug, Args)]
+pub(crate) struct WatchArgs {
+    /// The network file that the board was built from.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) network: PathBuf,
+    /// Where the board is: serial:PORT[@BAUD], udp:[ADDRESS:]PORT, unix:PATH (connects) or unix-listen:PATH.
+    #[arg(long, value_name = "LINK")]
+    pub(crate) link: String,
+    /// The one peer that is heard over UDP.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub(crate) peer: Option<String>,
+    /// How long it is watched, such as 60s; until `quit` or an interrupt when absent.
+    #[arg(long, value_name = "TIME")]
+    pub(crate) duration: Option<Duration>,
+    /// Arm its hardware as soon as inputs are good and outputs have arrived.
+    #[arg(long)]
+    pub(crate) arm: bool,
+    /// Take orders from the standard input: arm, hold, resume, disarm, acknowledge, restart, stop, set NAME VALUE, get
+    /// NAME, quit.
+    #[arg(long)]
+    pub(crate) operator: bool,
+    /// Folder for the record: record.csv, record.mcap, captures.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) record: Option<PathBuf>,
+    /// Time of a row in the record, which keeps smallest and largest values.
+    #[arg(long, value_name = "TIME", default_value = "10ms")]
+    pub(crate) every: Duration,
+    /// What is captured packet by packet: safe, NAME>VALUE or NAME<VALUE; may be given again.
+    #[arg(long, value_name = "TRIGGER", requires = "record")]
+    pub(crate) capture: Vec<String>,
+    /// How long before and after it.
+    #[arg(long, value_name = "TIME", default_value = "500ms")]
+    pub(crate) around: Duration,
+    /// Serve a live page; on this computer alone where only a port is given.
+    #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = page)]
+    pub(crate) page: Option<std::net::SocketAddr>,
     /// Print one JSON object at the end instead of lines and a table.
     #[arg(long)]
     pub(crate) json: bool,

@@ -66,6 +66,8 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         #[cfg(feature = "hil")]
         Some(Command::Hil(args)) => hil::run(args, out),
         #[cfg(feature = "hil")]
+        Some(Command::Watch(args)) => hil::run_watch(args, out),
+        #[cfg(feature = "hil")]
         Some(Command::Replay(args)) => hil::run_replay(args, out),
         Some(Command::Report(args)) => report::run(args, out),
     }

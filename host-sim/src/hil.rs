@@ -4,6 +4,7 @@
 pub mod board;
 pub mod handover;
 pub mod loopback;
+pub mod operator;
 pub mod pace;
 pub mod page;
 pub mod plant;
@@ -15,3 +16,4 @@ pub mod runner;
 pub mod shot;
 pub mod tap;
 pub mod timing;
+pub mod watch;

@@ -92,8 +92,11 @@ impl Loopback {
             let at_us = received.time_us.saturating_sub(echo.age_us.into());
             self.stage = Stage::Read { at_us, tick: received.tick };
         }
-        let is_here =
-            received.data.values.get(self.output).is_some_and(|value| value.to_bits() == self.sample().to_bits());
+        let is_here = received
+            .data
+            .values
+            .get(self.output)
+            .is_some_and(|value| value.to_bits() == self.sample().to_bits());
         let Stage::Read { at_us, tick } = self.stage else {
             if is_here {
                 // The plant has had it from before: it would tell nothing.

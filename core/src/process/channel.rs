@@ -59,6 +59,11 @@ impl Scaling<'_> {
         self.electrical.backward(self.engineering.backward(engineering))
     }
 
+    /// Returns the engineering value for `raw`.
+    pub fn to_value(&self, raw: f32) -> f32 {
+        self.engineering.forward(self.electrical.forward(raw))
+    }
+
     fn check(&self) -> Result<(), ParameterError> {
         self.electrical.check("electrical")?;
         self.engineering.check("engineering")?;

@@ -1,16 +1,19 @@
 //! `eclss-rt hil` and `eclss-rt replay`: the real-time loop with hardware, and a recorded run once more.
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use eclss_core::Settings;
 use eclss_target::wire::Address;
 
-use crate::args::{HilArgs, ReplayArgs};
+use crate::args::{HilArgs, ReplayArgs, WatchArgs};
+use crate::hil::operator;
 use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
 use crate::hil::replay::replay;
 use crate::hil::report::write_report;
 use crate::hil::runner::{self, Job, Loopback, RecordWishes};
+use crate::hil::watch;
 use crate::run::{Plan, Wishes};
 use crate::{Duration, Failure, Source};
 
@@ -51,18 +54,8 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
     let Settings { step_us, .. } = plan.settings;
     let link = args.link.as_deref().map(|text| Address::read(text, args.peer.as_deref())).transpose();
     let link = link.map_err(|error| bad("--link", &error.to_string()))?;
-    let read = |text: &String| text.parse().map_err(|why: String| bad("--capture", &why));
-    let triggers = args.capture.iter().map(read).collect::<Result<Vec<Trigger>, _>>()?;
     let in_ticks = |time: Duration| time.us() / u64::from(step_us).max(1);
-    let record = args.record.as_ref().map(|folder| RecordWishes {
-        folder: folder.clone(),
-        every: in_ticks(args.every).max(1),
-        triggers: triggers.clone(),
-        around: (in_ticks(args.around) as usize, in_ticks(args.around)),
-    });
-    if record.is_none() && !triggers.is_empty() {
-        return Err(bad("--capture", "needs --record"));
-    }
+    let record = record_wishes(args.record.as_ref(), &args.capture, args.every, args.around, step_us)?;
     let loopback = match args.loopback.as_deref() {
         None => None,
         Some("") if link.is_some() => {
@@ -111,6 +104,60 @@ fn stall(text: &str) -> Result<crate::hil::board::Stall, String> {
     let parts = text.split_once(':').and_then(|(tick, by)| Some((tick.parse().ok()?, by.parse().ok()?)));
     let (tick, by): (u64, Duration) = parts.ok_or("a tick and how much longer it takes, as in 2000:5ms")?;
     Ok(crate::hil::board::Stall { tick, by: std::time::Duration::from_micros(by.us()) })
+}
+
+/// Watches a board and reports. One that is in SAFE at the end, or with which there never was a session, is reported like
+/// any other and then fails.
+pub(super) fn run_watch(args: &WatchArgs, out: &mut dyn Write) -> Result<(), Failure> {
+    let source = Source::file(&args.network)?;
+    let Settings { step_us, .. } = Plan::new(&source, &Wishes::default())?.settings;
+    let link = Address::read(&args.link, args.peer.as_deref());
+    let link = link.map_err(|error| Failure::BadInput(format!("--link: {error}")))?;
+    let record = record_wishes(args.record.as_ref(), &args.capture, args.every, args.around, step_us)?;
+    let job = watch::Job {
+        settings: Settings { method: source.loaded.run.method, step_us },
+        link,
+        duration: args.duration.map(|time| std::time::Duration::from_micros(time.us())),
+        arm: args.arm,
+        record,
+        page: args.page,
+        orders: args.operator.then(operator::type_along),
+        shows: !args.json,
+        ends: operator::interrupts(),
+    };
+    let report = watch::watch(&source, &job, out)?;
+    if args.json {
+        let text = serde_json::to_string_pretty(&report)
+            .map_err(|error| Failure::Failed(format!("cannot write the report: {error}")))?;
+        writeln!(out, "{text}")?;
+    } else {
+        writeln!(out)?;
+        watch::write_watch(out, &report)?;
+    }
+    if report.cause.is_some() || report.packets == 0 { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// Reads what is to be recorded.
+fn record_wishes(
+    folder: Option<&PathBuf>,
+    capture: &[String],
+    every: Duration,
+    around: Duration,
+    step_us: u32,
+) -> Result<Option<RecordWishes>, Failure> {
+    let refused = |why: &str| Failure::BadInput(format!("--capture: {why}"));
+    let read = |text: &String| text.parse().map_err(|why: String| refused(&why));
+    let triggers = capture.iter().map(read).collect::<Result<Vec<Trigger>, _>>()?;
+    if folder.is_none() && !triggers.is_empty() {
+        return Err(refused("needs --record"));
+    }
+    let in_ticks = |time: Duration| time.us() / u64::from(step_us).max(1);
+    Ok(folder.map(|folder| RecordWishes {
+        folder: folder.clone(),
+        every: in_ticks(every).max(1),
+        triggers,
+        around: (in_ticks(around) as usize, in_ticks(around)),
+    }))
 }
 
 /// Replays a record.

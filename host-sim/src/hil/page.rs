@@ -117,7 +117,7 @@ fn figures(moment: &Moment) -> Figures {
         t_s: moment.t_s,
         paused: moment.mode == Mode::Hold,
         speed: 1.0,
-        overruns: moment.account.map_or(0, |account| account.overruns.into()),
+        overruns: moment.account.map(|account| account.overruns.into()),
         lag_s: moment.account.map_or(0.0, |account| account.lag_us() as f64 * 1e-6),
         phi: moment.phi[0],
         phi_worst: moment.phi[1],
@@ -140,10 +140,10 @@ fn fill(hardware: &mut Hardware, moment: &Moment) {
 
 fn loop_figures(hardware: &mut Hardware, account: &Account) {
     hardware.rate_hz = f64::from(account.actual_millihertz()) / 1e3;
-    hardware.overruns = account.overruns;
-    hardware.overruns_in_a_row = account.worst_consecutive_overruns;
-    hardware.missed = account.skipped;
-    hardware.late_us = account.lateness_us.max();
+    hardware.overruns = Some(account.overruns);
+    hardware.overruns_in_a_row = Some(account.worst_consecutive_overruns);
+    hardware.missed = Some(account.skipped);
+    hardware.late_us = Some(account.lateness_us.max());
 }
 
 /// Figures of a link.

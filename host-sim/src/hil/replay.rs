@@ -89,6 +89,11 @@ pub fn replay(path: &Path) -> Result<Replayed, Failure> {
     let run = summary.metadata_indexes.iter().find(|index| index.name == RUN);
     let run = mcap::read::metadata(&bytes, run.ok_or_else(|| bad("not a record of eclss-rt"))?);
     let run = run.map_err(broken)?.metadata;
+    if run.contains_key("watched") {
+        return Err(bad(
+            "a board was watched: what its plant started from is not in the record, so that there is nothing to replay",
+        ));
+    }
     let told = |key: &str| run.get(key).ok_or_else(|| bad(&format!("its metadata lack `{key}`")));
     let count = |key: &str| told(key)?.parse::<u64>().map_err(|_| bad(&format!("`{key}` is no number")));
     let attached = |name: &str| {

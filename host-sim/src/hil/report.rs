@@ -274,14 +274,7 @@ pub fn write_report(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         write_loopback(out, loopback)?;
     }
     if let Some(record) = &report.record {
-        writeln!(
-            out,
-            "record          {} ticks, {} dropped, {} captures",
-            record.rows, record.dropped, record.captures
-        )?;
-        for file in &record.files {
-            writeln!(out, "                {file}")?;
-        }
+        write_record(out, record)?;
     }
     if report.events_lost > 0 {
         writeln!(out, "events lost     {}", report.events_lost)?;
@@ -297,6 +290,19 @@ fn times(out: &mut dyn Write, name: &str, times: &Summary) -> io::Result<()> {
         out,
         "{name:<14} {min_us:>8.1} {avg_us:>8.1} {p50_us:>8.1} {p99_us:>8.1} {p999_us:>8.1} {max_us:>8.1}"
     )
+}
+
+/// Writes the figures of a record.
+pub(super) fn write_record(out: &mut dyn Write, record: &RecordFigures) -> io::Result<()> {
+    writeln!(
+        out,
+        "record          {} ticks, {} dropped, {} captures",
+        record.rows, record.dropped, record.captures
+    )?;
+    for file in &record.files {
+        writeln!(out, "                {file}")?;
+    }
+    Ok(())
 }
 
 fn write_channels(out: &mut dyn Write, channels: &[ChannelFigures]) -> io::Result<()> {
@@ -340,7 +346,8 @@ fn write_loopback(out: &mut dyn Write, loopback: &LoopbackFigures) -> io::Result
     times(out, "  end to end", end_to_end)
 }
 
-fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io::Result<()> {
+/// Writes the figures of a link.
+pub(super) fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io::Result<()> {
     let state = if link.connected { "connected" } else { "not connected" };
     writeln!(out, "link            {}, {state}, {} sessions", link.address, link.sessions)?;
     writeln!(

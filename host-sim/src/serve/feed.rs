@@ -165,8 +165,8 @@ pub struct Figures {
     pub paused: bool,
     /// Asked speed over the clock's [1].
     pub speed: f32,
-    /// Wake-ups that came too late and were skipped.
-    pub overruns: u64,
+    /// Wake-ups that came too late and were skipped; none where nobody tells.
+    pub overruns: Option<u64>,
     /// Time that the plant lies behind the clock by them [s].
     pub lag_s: f64,
     /// Mean time of a step over the last window [µs].
@@ -202,14 +202,14 @@ pub struct Hardware {
     pub cause: Option<&'static str>,
     /// Rate reached [Hz].
     pub rate_hz: f64,
-    /// Ticks that ended after the next release.
-    pub overruns: u32,
+    /// Ticks that ended after the next release; none where a board does not tell.
+    pub overruns: Option<u32>,
     /// The most of them in a row.
-    pub overruns_in_a_row: u32,
+    pub overruns_in_a_row: Option<u32>,
     /// Releases at which no tick ran.
-    pub missed: u64,
+    pub missed: Option<u64>,
     /// Longest wake-up after its release [µs].
-    pub late_us: u32,
+    pub late_us: Option<u32>,
     /// What each channel is worth, in the order of [`Catalogue::channels`].
     pub quality: Vec<&'static str>,
     /// Values of each channel that were rejected since the start.

@@ -191,7 +191,7 @@ impl Plant {
                     (figures.tick, figures.t_s) = (simulator.tick(), simulator.time_us() as f64 * 1e-6);
                     (figures.scenario, figures.paused, figures.speed) =
                         (hand.scenario, hand.paused, hand.speed);
-                    (figures.overruns, figures.lag_s) = (pace.overruns, pace.lag_s);
+                    (figures.overruns, figures.lag_s) = (Some(pace.overruns), pace.lag_s);
                     (figures.mean_us, figures.p99_us) = (costs.mean_us, costs.p99_us);
                     figures.worst_us = costs.worst_us;
                     figures.headroom = 1.0 - busy;

@@ -75,6 +75,10 @@ impl<W: Write + Seek> Container<W> {
         for (name, media_type, data) in
             [(NETWORK, "application/toml", network.as_bytes()), (START, "application/octet-stream", start)]
         {
+            if data.is_empty() {
+                // The state of a board that is only watched is not known.
+                continue;
+            }
             writer.attach(&Attachment {
                 log_time: epoch_ns,
                 create_time: epoch_ns,

@@ -1,10 +1,10 @@
 //! What happens beside the loop and never holds it up: record, display, operator.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead as _, Write};
+use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, TryRecvError};
 
 use eclss_core::Settings;
 use eclss_core::mode::{Cause, Mode, Request};
@@ -16,6 +16,7 @@ use super::{Job, Outcome, Seen, cause};
 use crate::Failure;
 use crate::hil::board::Order;
 use crate::hil::handover::Taker;
+use crate::hil::operator::{interrupts, type_along};
 use crate::hil::pace::Pace;
 use crate::hil::page::Page;
 use crate::hil::recorder::Recorder;
@@ -67,7 +68,7 @@ impl<'o> Housekeeping<'o> {
             events,
             orders,
             typed: job.operator.then(type_along),
-            interrupted: interrupts(job),
+            interrupted: if job.interrupts { interrupts() } else { Arc::default() },
             account: None,
             mode: Mode::PowerUp,
             cause: None,
@@ -241,36 +242,6 @@ fn parse(line: &str) -> Option<Order> {
         ("speed", speed) => Order::Pace(Pace::Scaled(speed.parse().ok()?)),
         _ => return None,
     })
-}
-
-/// Lets an interrupt end the run in good order; a second one ends the program.
-fn interrupts(job: &Job) -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    if job.interrupts {
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-            // The first interrupt arms what the second one finds. Where the system refuses, the program ends as it
-            // always did.
-            let again = Arc::new(AtomicBool::new(false));
-            let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&again))
-                .and_then(|_| signal_hook::flag::register(signal, again))
-                .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&flag)));
-        }
-    }
-    flag
-}
-
-/// Reads the standard input in a thread of its own, which ends with the program.
-fn type_along() -> Receiver<String> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
-        for line in std::io::stdin().lock().lines() {
-            let Ok(line) = line else { return };
-            if sender.send(line).is_err() {
-                return;
-            }
-        }
-    });
-    receiver
 }
 
 #[cfg(test)]
