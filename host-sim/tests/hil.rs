@@ -10,15 +10,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use bench::{config, controller, job, network, place, settled};
-use eclss_core::protocol::{Link as Session, Role};
-use eclss_host_sim::Failure;
+use eclss_core::mode::Mode;
+use eclss_core::protocol::{Link as Session, Outgoing, Role};
 use eclss_host_sim::hil::board::Stall;
 use eclss_host_sim::hil::pace::Pace;
 use eclss_host_sim::hil::recorder::Trigger;
 use eclss_host_sim::hil::replay::replay;
 use eclss_host_sim::hil::report::Report;
-use eclss_host_sim::hil::runner::{Job, RecordWishes, run};
-use eclss_target::wire::Address;
+use eclss_host_sim::hil::runner::{Job, Loopback, RecordWishes, run};
+use eclss_host_sim::{Failure, Source};
+use eclss_target::wire::{Address, open};
 
 fn recorded(job: Job, name: &str, every: u64, triggers: Vec<Trigger>) -> Job {
     let record = RecordWishes { folder: place(name), every, triggers, around: (50, 50) };
@@ -261,4 +262,124 @@ fn a_session_over_udp_hears_its_peer_alone() {
     let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
     assert!(column(&csv, "mode").contains(&"RUN".to_owned()), "its orders were heard");
     assert!(numbers(&csv, "valve.opening").iter().any(|opening| *opening < 0.95), "and its values");
+}
+
+/// Measured over the bytes of a link: a tick when latched, none when immediate, whatever the computer does meanwhile.
+#[test]
+fn the_delay_is_measured_by_loopback() {
+    let shipped = include_str!("../../networks/hil.toml");
+    for (order, ticks) in [("latched", 1), ("immediate", 0)] {
+        let text = shipped.replace("order = \"latched\"", &format!("order = \"{order}\""));
+        let source = Source::text(text.as_bytes(), "hil.toml", order.into()).unwrap();
+        let start = Some(settled(&source, 2_000));
+        let job = Job { loopback: Some(Loopback::Inside), start, ..job(&source, 2_000, 1_000) };
+        let report = run(&source, &job, &mut sink()).unwrap();
+        assert_eq!((report.mode, report.order), ("RUN", order));
+        let loopback = report.loopback.unwrap();
+        assert_eq!(
+            (loopback.channel.as_str(), loopback.ticks),
+            ("valve.opening", [ticks; 2]),
+            "{loopback:?}"
+        );
+        assert!(loopback.in_out.count > 100 && loopback.end_to_end.min_us >= 0.0, "{loopback:?}");
+        let least = f64::from(ticks) * 2_000.0;
+        assert!((loopback.in_out.p50_us - least).abs() < 1_000.0, "{loopback:?}");
+        assert!(report.channels.iter().any(|channel| channel.name == "valve.opening (loopback)"));
+    }
+}
+
+/// What hardware sends and nobody believes is counted by channel and reason, and moves nothing.
+#[test]
+fn rejects_are_reported_by_channel() {
+    let source = network("hil.toml");
+    let step_us = 2_000;
+    let path = place("rejects.sock");
+    let start = Some(settled(&source, step_us));
+    let link = Some(Address::Unix { path: path.clone(), listens: true });
+    let job = Job { link, start, arm: true, ..job(&source, step_us, 1_000) };
+    let config = config(&source, Role::Controller, step_us);
+    let other = std::thread::spawn(move || {
+        let (mut link, _keeper) = open(&Address::Unix { path, listens: false }).unwrap();
+        let mut session = Session::new(config, 5);
+        let (mut tick, mut turn, mut sent, mut bytes) = (0, 0, [0; 4], [0; 2_048]);
+        let begun = std::time::Instant::now();
+        while begun.elapsed() < Duration::from_millis(2_600) {
+            let length = link.read(&mut bytes);
+            session.feed(&bytes[..length], tick);
+            // Unasked now and then, so that the plant hears of us.
+            turn += 1;
+            if session.take_data().is_some() || turn % 16 == 0 {
+                let bad = (tick % 8) as usize;
+                let opening = [f32::NAN, 1.0, 5.0, 1.0, 0.5, 1.0, f32::NEG_INFINITY, 1.0][bad];
+                let outgoing = Outgoing { mode: Mode::Run, values: &[opening, 1.0], ..Outgoing::default() };
+                session.send_tick(tick, tick, &outgoing);
+                if session.is_connected() {
+                    for (count, counted) in
+                        sent.iter_mut().zip([[0, 6].as_slice(), &[2], &[4], &[1, 3, 5, 7]])
+                    {
+                        *count += u32::from(counted.contains(&bad));
+                    }
+                }
+                let taken = link.write(session.outgoing());
+                session.sent(taken);
+                tick += 1;
+            }
+            std::thread::sleep(Duration::from_micros(300));
+        }
+        sent
+    });
+    let report = run(&source, &job, &mut sink()).unwrap();
+    let [not_finite, out_of_range, too_fast, _] = other.join().unwrap();
+    let valve = report.channels.iter().find(|channel| channel.name == "valve.opening").unwrap();
+    // Packets that come in one tick leave the newest, and the first ones may be before the session.
+    assert!(valve.not_finite > 50 && valve.not_finite <= not_finite, "{valve:?} of {not_finite}");
+    assert!(valve.out_of_range > 25 && valve.out_of_range <= out_of_range, "{valve:?} of {out_of_range}");
+    assert!(valve.too_fast > 25 && valve.too_fast <= too_fast + 1, "{valve:?} of {too_fast}");
+    let fan = report.channels.iter().find(|channel| channel.name == "fan.speed").unwrap();
+    assert_eq!((fan.not_finite, fan.out_of_range, fan.too_fast), (0, 0, 0), "each signal by itself");
+    let flow = report.channels.iter().find(|channel| channel.name == "loop.mass_flow").unwrap();
+    assert_eq!((flow.direction, flow.not_finite), ("out", 0));
+}
+
+/// The page of a running loop: plant, mode, channels and link, with frames that nobody fetched counted.
+#[test]
+fn a_page_shows_loop_and_hardware() {
+    let source = network("hil.toml");
+    let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let start = Some(settled(&source, 2_000));
+    let page = Some(address);
+    let job = Job { loopback: Some(Loopback::Inside), page, start, ..job(&source, 2_000, 1_500) };
+    let looked = std::thread::spawn(move || {
+        let ask = |path: &str| {
+            let mut answer = ureq::get(&format!("http://{address}{path}")).call().ok()?;
+            serde_json::from_str::<serde_json::Value>(&answer.body_mut().read_to_string().ok()?).ok()
+        };
+        let begun = std::time::Instant::now();
+        while begun.elapsed() < Duration::from_secs(30) {
+            if let (Some(network), Some(frame)) = (ask("/network"), ask("/frame"))
+                && frame["hardware"]["mode"] == "RUN"
+                && frame["hardware"]["link"]["accepted"].as_u64().is_some_and(|count| count > 100)
+            {
+                return (network, frame);
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        panic!("the page never shows RUN");
+    });
+    let report = run(&source, &job, &mut sink()).unwrap();
+    let (network, frame) = looked.join().unwrap();
+    assert_eq!(report.mode, "RUN");
+    assert_eq!(
+        (network["control"].as_bool(), network["channels"].as_array().map(Vec::len)),
+        (Some(false), Some(4))
+    );
+    let hardware = &frame["hardware"];
+    assert_eq!(hardware["quality"][2], "good");
+    assert_eq!(
+        (hardware["link"]["connected"].as_bool(), hardware["link"]["lost"].as_u64()),
+        (Some(true), Some(0))
+    );
+    assert!(frame["missed"].is_u64() && frame["figures"]["overruns"].is_u64());
+    let flow = network["values"].as_array().unwrap().iter().position(|value| value["id"] == "loop.mass_flow");
+    assert!(frame["values"][flow.unwrap()].as_f64().is_some_and(|flow| (flow - 0.0865).abs() < 1e-3));
 }

@@ -42,6 +42,8 @@ pub struct Loopback {
     stage: Stage,
     /// The newest packet that was looked at.
     newest: u32,
+    /// Whether the plant was in RUN in the newest packet.
+    runs: bool,
     discarded: u32,
 }
 
@@ -49,7 +51,7 @@ impl Loopback {
     /// Times samples from `low` to `high` that come back as value `output` of the plant's data.
     pub fn new(output: usize, low: f32, high: f32) -> Self {
         // Not `low`, which the plant may have from before.
-        Self { output, low, high, code: 1, stage: Stage::Fresh, newest: 0, discarded: 0 }
+        Self { output, low, high, code: 1, stage: Stage::Fresh, newest: 0, runs: false, discarded: 0 }
     }
 
     /// The sample that belongs into every packet now.
@@ -76,6 +78,12 @@ impl Loopback {
         self.newest = received.sequence;
         if received.data.mode != Mode::Run {
             // The plant does not see its inputs.
+            self.stage = Stage::Fresh;
+            self.runs = false;
+            return None;
+        }
+        if !core::mem::replace(&mut self.runs, true) {
+            // What was sent before must not be taken for what is sent from now on.
             self.next();
             return None;
         }
@@ -137,40 +145,47 @@ mod tests {
         Received { data, tick, sequence, time_us, arrived_us: 0 }
     }
 
+    /// In RUN, with nothing sent yet.
+    fn running() -> Loopback {
+        let mut loopback = Loopback::new(0, 0.5, 0.6);
+        assert_eq!(loopback.came(&packet(1, 0, 0, Echo::default(), 0.0)), None);
+        loopback
+    }
+
     #[test]
     fn a_sample_is_timed_from_its_echo_to_its_return() {
-        let mut loopback = Loopback::new(0, 0.5, 0.6);
+        let mut loopback = running();
         let sample = loopback.sample();
         loopback.sent(7);
         loopback.sent(8);
         let echo = |sequence, age_us| Echo { sequence, time_us: 0, age_us };
-        assert_eq!(loopback.came(&packet(1, 10, 10_000, echo(6, 0), 0.0)), None);
-        assert_eq!(loopback.came(&packet(2, 11, 11_030, echo(8, 30), 0.0)), None);
-        let back = loopback.came(&packet(3, 12, 12_000, echo(8, 1_000), sample));
+        assert_eq!(loopback.came(&packet(2, 10, 10_000, echo(6, 0), 0.0)), None);
+        assert_eq!(loopback.came(&packet(3, 11, 11_030, echo(8, 30), 0.0)), None);
+        let back = loopback.came(&packet(4, 12, 12_000, echo(8, 1_000), sample));
         assert_eq!(back, Some(Passed { us: 1_000, ticks: 1 }));
         let next = loopback.sample();
         assert!(next.to_bits() != sample.to_bits());
         loopback.sent(9);
-        let back = loopback.came(&packet(4, 13, 13_400, echo(9, 390), next));
+        let back = loopback.came(&packet(5, 13, 13_400, echo(9, 390), next));
         assert_eq!(back, Some(Passed { us: 390, ticks: 0 }));
     }
 
     #[test]
     fn a_sample_that_the_plant_has_already_is_not_timed() {
-        let mut loopback = Loopback::new(0, 0.5, 0.6);
+        let mut loopback = running();
         let sample = loopback.sample();
         loopback.sent(1);
-        assert_eq!(loopback.came(&packet(1, 1, 1_000, Echo::default(), sample)), None);
+        assert_eq!(loopback.came(&packet(2, 1, 1_000, Echo::default(), sample)), None);
         assert!(loopback.is_fresh() && loopback.sample().to_bits() != sample.to_bits());
     }
 
     #[test]
     fn a_lost_packet_gives_the_sample_up() {
-        let mut loopback = Loopback::new(0, 0.5, 0.6);
+        let mut loopback = running();
         loopback.sent(1);
         let echo = Echo { sequence: 1, time_us: 0, age_us: 0 };
-        assert_eq!(loopback.came(&packet(1, 1, 1_000, Echo::default(), 0.0)), None);
-        assert_eq!(loopback.came(&packet(3, 3, 3_000, echo, loopback.sample())), None);
+        assert_eq!(loopback.came(&packet(2, 1, 1_000, Echo::default(), 0.0)), None);
+        assert_eq!(loopback.came(&packet(4, 3, 3_000, echo, loopback.sample())), None);
         assert_eq!(loopback.discarded(), 1);
     }
 
