@@ -159,6 +159,26 @@ pub fn write<'b>(
     Ok(&buffer[..used + TRAILER])
 }
 
+/// Refuses a network of which an image would carry only a part: the error says which and what to do.
+#[cfg(all(not(target_os = "none"), any(test, feature = "image-writer")))]
+pub fn check(loaded: &eclss_network_file::Loaded) -> Result<(), std::string::String> {
+    let process = &loaded.process;
+    let names = process.inputs.iter().map(|entry| &entry.name);
+    let names: std::vec::Vec<&str> =
+        names.chain(process.outputs.iter().map(|entry| &entry.name)).map(|name| name.as_str()).collect();
+    if !names.is_empty() {
+        return Err(std::format!(
+            "binds {} to hardware, and an image carries no channels: compile it in with ECLSS_NETWORK, or take the \
+             channels out to run its plant alone",
+            names.join(", ")
+        ));
+    }
+    if !loaded.network().climate.volumes.is_empty() {
+        return Err("has a climate, which an image does not carry: compile it in with ECLSS_NETWORK".into());
+    }
+    Ok(())
+}
+
 fn hash(bytes: &[u8]) -> u64 {
     let mut hash = Fingerprint::default();
     for byte in bytes {
@@ -332,6 +352,17 @@ mod tests {
         assert_eq!(sealed(|bytes| bytes.truncate(40)), Some(ImageError::Unreadable));
         assert_eq!(sealed(std::vec::Vec::clear), Some(ImageError::Unreadable));
         assert!(matches!(sealed(|bytes| bytes[6] ^= 1), Some(ImageError::OtherId { .. })));
+    }
+
+    /// What would be lost on the way is refused: nobody shall take a plant without its hardware for the whole.
+    #[test]
+    fn a_network_with_channels_is_refused_by_their_names() {
+        let bound = parse(include_str!("../../networks/hil.toml"), "hil.toml").expect("it ships");
+        let refused = check(&bound).unwrap_err();
+        assert!(refused.contains("valve.opening, fan.speed, loop.mass_flow"), "{refused}");
+        let climate = parse(include_str!("../../networks/thcs.toml"), "thcs.toml").expect("it ships");
+        assert!(check(&climate).is_err_and(|why| why.contains("climate")));
+        assert_eq!(check(&paper()), Ok(()));
     }
 
     #[test]

@@ -11,6 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: network-image NETWORK.toml IMAGE".into());
     };
     let loaded = eclss_network_file::load(Path::new(network))?;
+    image::check(&loaded).map_err(|why| format!("{network} {why}"))?;
     let settings = Settings { method: loaded.run.method, step_us: loaded.run.step_us };
     let mut buffer = vec![0; image::BYTES];
     let bytes = image::write(&loaded.network(), settings, &mut buffer).map_err(|error| match error {
