@@ -21,7 +21,17 @@ export class Drawing {
     this.network = network;
     this.index = index;
     this.find = (id) => this.svg.getElementById(id);
-    this.lines = network.lines.map((line, number) => this.line(line, number));
+    let first = 0;
+    this.lines = network.lines.map((line, number) => {
+      const own = this.line(number, line.elements.map((_, place) => this.find(`e${first + place}`)));
+      first += line.elements.length;
+      return own;
+    });
+    network.nodes.forEach((node, number) => {
+      // Two lines of type stand in the middle of a box that has room for three.
+      if (index.has(`${node.id}.temperature`) || node.kind === "junction") return;
+      this.find(`n${number}`).querySelectorAll("text").forEach((text) => text.setAttribute("dy", "7"));
+    });
     this.largest = 1e-9;
     this.groups = new Map();
     let element = 0;
@@ -52,7 +62,8 @@ export class Drawing {
     style.maxHeight = scale ? "none" : "";
   }
 
-  line(line, number) {
+  /** The way of a line, its stretches and what of them lies under symbols. */
+  line(number, symbols) {
     const wire = this.find(`l${number}`);
     const points = wire.getAttribute("d").match(/-?\d+ -?\d+/g).map((pair) => pair.split(" ").map(Number));
     const parts = [];
@@ -60,8 +71,17 @@ export class Drawing {
     for (let k = 1; k < points.length; k += 1) {
       const [[x, y], [u, v]] = [points[k - 1], points[k]];
       const long = Math.abs(u - x) + Math.abs(v - y);
-      parts.push({ from: length, long, x, y, dx: Math.sign(u - x), dy: Math.sign(v - y) });
+      parts.push({ from: length, long, x, y, dx: Math.sign(u - x), dy: Math.sign(v - y), covered: [] });
       length += long;
+    }
+    for (const group of symbols) {
+      const { a, d, e, f } = group.querySelector(".symbol").transform.baseVal.consolidate().matrix;
+      const half = Math.max(Math.abs(a), Math.abs(d));
+      for (const part of parts) {
+        const along = (e - part.x) * part.dx + (f - part.y) * part.dy;
+        const aside = Math.abs((e - part.x) * part.dy) + Math.abs((f - part.y) * part.dx);
+        if (aside < 1 && along >= 0 && along <= part.long) part.covered.push([along - half, along + half]);
+      }
     }
     return { wire, arrows: this.find(`l${number}a`), text: this.find(`l${number}f`), parts, length, phase: 0, flow: 0 };
   }
@@ -137,12 +157,14 @@ export class Drawing {
 /** How far towards "fully bent" a φ is drawn. It spans decades: a tenth is more than half way. */
 const bent = (phi) => `${phi >= 1 ? 0 : Math.round(Math.min(1, 0.1 - Math.log10(Math.max(phi, 1e-9)) / 2) * 100)}%`;
 
-/** Triangles along a line, every `SPACING`. */
+/** Triangles along a line, every `SPACING`; none where it would lie under a symbol or stick out at a bend. */
 function arrows(line, phase, size, forward) {
   let path = "";
   for (const part of line.parts) {
     const skip = (((phase - part.from) % SPACING) + SPACING) % SPACING;
     for (let s = skip; s < part.long; s += SPACING) {
+      if (s < size || s > part.long - size) continue;
+      if (part.covered.some(([begin, end]) => s > begin - size && s < end + size)) continue;
       const [dx, dy] = [part.dx * forward, part.dy * forward];
       const [x, y] = [part.x + part.dx * s, part.y + part.dy * s];
       const [tx, ty] = [x + dx * size, y + dy * size];

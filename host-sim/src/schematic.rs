@@ -9,6 +9,7 @@ mod graph;
 mod layout;
 mod place;
 mod route;
+mod score;
 mod strip;
 mod svg;
 mod symbol;

@@ -70,6 +70,51 @@ fn generated_networks_up_to_twelve_modules_are_drawn_without_overlap() {
     assert!(folded > 20, "the test has seen lines that bend");
 }
 
+/// The station that ships with two more modules, each ventilated there and back, and a rack loop of its own.
+fn station_of_twelve() -> Graph {
+    let (_, file) = shipped().into_iter().find(|(name, _)| name.ends_with("station.toml")).unwrap();
+    let mut graph = Graph::of(&file);
+    let element = |line: &str, kind: &str| Element {
+        id: format!("{line}_{kind}"),
+        label: kind.into(),
+        kind: kind.into(),
+        active: kind != "pipe",
+    };
+    for (module, at) in [("cupola", "node3"), ("laboratory2", "sm")] {
+        let new = graph.nodes.len();
+        let old = graph.nodes.iter().position(|node| node.id == at).unwrap();
+        graph.nodes.push(Node { id: module.into(), kind: "cabin", remark: "30 m³".into(), position: None });
+        let ways = [(format!("{at}_{module}"), old, new), (format!("{module}_{at}"), new, old)];
+        for (id, from, to) in ways.into_iter().chain([(format!("{module}_rack_air"), new, new)]) {
+            let elements = ["fan", "valve", "pipe"].map(|kind| element(&id, kind)).into();
+            graph.lines.push(Line { id, from, to, elements });
+        }
+    }
+    assert_eq!(graph.nodes.iter().filter(|node| node.kind == "cabin").count(), 12);
+    graph
+}
+
+#[test]
+fn a_station_of_twelve_modules_is_drawn_with_few_crossings() {
+    let station = station_of_twelve();
+    let drawing = assert_good("station of twelve", &station);
+    let found = drawing.crossings();
+    println!("{} x {} px, {found} crossings, {} lines", drawing.width, drawing.height, station.lines.len());
+    // A page of 1440 px shows it at two thirds of its size or more, so type of 12 px at 8 px.
+    assert!(drawing.width <= 2_100 && drawing.height <= 1_500, "{} x {}", drawing.width, drawing.height);
+    assert!(2 * found <= station.lines.len(), "{found} crossings");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("schematic");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("twelve.svg"), drawing.svg(&station, Dress::File)).unwrap();
+    for (name, most) in [("paper.toml", 0), ("thcs.toml", 2), ("station.toml", 14)] {
+        let (_, file) = shipped().into_iter().find(|(path, _)| path.ends_with(name)).unwrap();
+        let graph = Graph::of(&file);
+        let found = assert_good(name, &graph).crossings();
+        println!("{name}: {found} crossings");
+        assert!(found <= most, "{name}: {found} crossings");
+    }
+}
+
 fn graph(nodes: usize, lines: &[(usize, usize, &[&str])]) -> Graph {
     let node = |index: usize| Node {
         id: format!("a_node_with_a_long_name_{index}"),

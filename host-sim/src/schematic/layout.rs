@@ -6,11 +6,16 @@
 
 use super::geometry::{At, GRID, Hang, Label, Rect, fit, text_width, up};
 use super::graph::{Graph, MOST_NODES};
-use super::place::{Cell, place};
+use super::place::{Cell, places};
 use super::strip::{Facing, Shape, Strip, Style};
 
 /// Tries with more and more room.
 const TRIES: i32 = 6;
+/// Layouts that are drawn to choose one: as many as come to this number of lines, and at most so many.
+const DRAWN: usize = 400;
+const MOST_LAYOUTS: usize = 24;
+/// Layouts that are tried again with more room, where none found all its ways.
+const AGAIN: usize = 3;
 /// Room around everything [px].
 const MARGIN: i32 = 2 * GRID;
 
@@ -88,15 +93,33 @@ impl Drawing {
         if nodes > MOST_NODES {
             return Err(DrawingError::TooLarge { nodes });
         }
-        let cells = place(graph);
         let style = Style::of(graph);
-        let (piles, shapes) = pile_up(graph, &cells, style);
+        let most = (DRAWN / graph.lines.len().max(1)).clamp(1, MOST_LAYOUTS);
+        let layouts: Vec<_> = places(graph)
+            .into_iter()
+            .take(most)
+            .map(|cells| {
+                let (piles, shapes) = pile_up(graph, &cells, style);
+                (cells, piles, shapes)
+            })
+            .collect();
         let mut failed = DrawingError::NoWay { line: 0 };
         for room in 0..TRIES {
-            let sheet = Sheet { graph, style, cells: &cells, piles: &piles, shapes: &shapes, room };
-            match sheet.draw() {
-                Ok(drawing) => return Ok(drawing),
-                Err(error) => failed = error,
+            let mut best: Option<(i64, Self)> = None;
+            let tried = if room == 0 { layouts.len() } else { AGAIN };
+            for (cells, piles, shapes) in layouts.iter().take(tried) {
+                match (Sheet { graph, style, cells, piles, shapes, room }).draw() {
+                    Ok(drawing) => {
+                        let strain = drawing.strain(shapes.iter().map(|shape| shape.facing));
+                        if best.as_ref().is_none_or(|(least, _)| strain < *least) {
+                            best = Some((strain, drawing));
+                        }
+                    }
+                    Err(error) => failed = error,
+                }
+            }
+            if let Some((_, drawing)) = best {
+                return Ok(drawing);
             }
         }
         Err(failed)
@@ -169,7 +192,7 @@ impl Sheet<'_> {
         let columns = self.cells.iter().map(|cell| cell.0).max().unwrap_or(0) + 1;
         let rows = self.cells.iter().map(|cell| cell.1).max().unwrap_or(0) + 1;
         // A channel for wires on either side of a column of nodes, and between strips.
-        let channel = GRID * (3 + 2 * self.room) + GRID * (self.graph.lines.len() as i32 / 6).min(8);
+        let channel = GRID * (3 + 2 * self.room) + GRID * (self.graph.lines.len() as i32 / 16).min(8);
         let between = GRID * (2 + self.room);
         let sizes: Vec<_> = (0..self.graph.nodes.len()).map(|node| self.node_size(node)).collect();
 
@@ -198,7 +221,7 @@ impl Sheet<'_> {
         let width = left + MARGIN;
 
         // Wires also run between rows; below the last one there are few.
-        let channel = between + GRID * (self.graph.lines.len() as i32 / 8).min(6);
+        let channel = between + GRID * (self.graph.lines.len() as i32 / 14).min(6);
         let mut top = MARGIN;
         let mut bands = Vec::new();
         for row in 0..rows {

@@ -9,11 +9,12 @@ use super::graph::Graph;
 /// Column and row.
 pub(super) type Cell = (i32, i32);
 
-/// Starts of the search; the best one counts.
+/// Starts of the search.
 const STARTS: u64 = 6;
 
-/// Finds a cell for every node, with no empty column or row.
-pub(super) fn place(graph: &Graph) -> Vec<Cell> {
+/// Finds cells for all nodes, with no empty column or row, in several ways: the shortest lines first. What no file
+/// has placed is also turned over and round, because strips lie between columns and never between rows.
+pub(super) fn places(graph: &Graph) -> Vec<Vec<Cell>> {
     let nodes = graph.nodes.len();
     let given: Vec<_> = graph.nodes.iter().map(|node| node.position).collect();
     let fixed = given.iter().flatten();
@@ -24,9 +25,32 @@ pub(super) fn place(graph: &Graph) -> Vec<Cell> {
     let rows = least(rows, fixed.map(|place| place.1).max().unwrap_or(0));
     let pull = pulls(graph);
     let search = |start| Search::new(&given, (columns, rows), start).run(&pull);
-    let best = (0..STARTS).map(search).min_by_key(|(_, cost)| *cost);
-    dense(best.map(|(cells, _)| cells).unwrap_or_default())
+    let mut found: Vec<_> = (0..STARTS).map(search).collect();
+    found.sort_by_key(|(_, cost)| *cost);
+    let free = given.iter().all(Option::is_none);
+    let mut all: Vec<Vec<Cell>> = Vec::new();
+    for turn in TURNS.iter().take(if free { TURNS.len() } else { 1 }) {
+        for (cells, _) in &found {
+            let turned = dense(cells.iter().map(|cell| turn(*cell)).collect());
+            if !all.contains(&turned) {
+                all.push(turned);
+            }
+        }
+    }
+    all
 }
+
+/// A sheet as it is, mirrored, upside down, and both with rows for columns.
+const TURNS: [fn(Cell) -> Cell; 8] = [
+    |(x, y)| (x, y),
+    |(x, y)| (y, x),
+    |(x, y)| (-x, y),
+    |(x, y)| (x, -y),
+    |(x, y)| (-y, x),
+    |(x, y)| (y, -x),
+    |(x, y)| (-x, -y),
+    |(x, y)| (-y, -x),
+];
 
 /// Pairs of nodes with how strongly they pull: once and a half for two lines.
 fn pulls(graph: &Graph) -> Vec<(usize, usize, i64)> {

@@ -101,7 +101,11 @@ impl Drawing {
     fn write_nodes(&self, out: &mut String, graph: &Graph, dress: Dress) -> std::fmt::Result {
         for (index, (node, drawn)) in graph.nodes.iter().zip(&self.nodes).enumerate() {
             let (rect, kind) = (drawn.rect, node.kind);
-            let round = if kind == "cabin" { 8 } else { 2 };
+            let round = match kind {
+                "cabin" => 8,
+                "accumulator" => rect.height / 2,
+                _ => 2,
+            };
             let focus = if dress == Dress::Page { r#" tabindex="0" role="button""# } else { "" };
             writeln!(
                 out,
@@ -114,9 +118,21 @@ impl Drawing {
                 r#"<title>{kind} {} {}</title><rect x="{}" y="{}" width="{}" height="{}" rx="{round}"/>"#,
                 node.id, node.remark, rect.x, rect.y, rect.width, rect.height
             )?;
-            text(out, &drawn.title, "id", None, "")?;
+            if kind == "accumulator" {
+                // The bladder between liquid and gas.
+                let (x, y, mid, low) = (rect.x + 14, rect.y + 4, rect.y + rect.height / 2, rect.bottom() - 4);
+                writeln!(out, r#"<path class="bladder" d="M{x} {y}Q{} {mid} {x} {low}"/>"#, x + 10)?;
+            }
+            // The third line of type is for the page; without it the other two stand in the middle.
+            let low = if dress == Dress::File && kind != "junction" { self.style.leading() / 2 } else { 0 };
+            let sunk = |label: &Label| {
+                let mut label = label.clone();
+                label.at.y += low;
+                label
+            };
+            text(out, &sunk(&drawn.title), "id", None, "")?;
             if kind != "junction" {
-                text(out, &drawn.first, "value", live(dress, &format!("n{index}a")).as_deref(), "")?;
+                text(out, &sunk(&drawn.first), "value", live(dress, &format!("n{index}a")).as_deref(), "")?;
                 text(out, &drawn.second, "value", live(dress, &format!("n{index}b")).as_deref(), "")?;
             }
             writeln!(out, "</g>")?;

@@ -16,9 +16,14 @@ pub(super) fn symbol(kind: &str) -> Option<&'static str> {
         }
         "pump" => r#"<circle class="body" r=".95"/><path class="hub" d="M-.5-.8L.95 0L-.5.8Z"/>"#,
         // A condensing heat exchanger: coil, and a drop that leaves.
-        "heat_exchanger" | "condenser" | "coolant_side" => {
+        "heat_exchanger" | "condenser" => {
             r#"<path class="body" d="M-.95-.75H.95V.75H-.95Z"/><path d="M-.95 0H-.6L-.35-.5L0 .5L.35-.5L.6 0H.95"/><path class="hub" d="M.62.28C.9.62.78.68.62.68C.46.68.34.62.62.28Z"/>"#
         }
+        // Its other side: the coil alone.
+        "coolant_side" => {
+            r#"<path class="body" d="M-.95-.75H.95V.75H-.95Z"/><path d="M-.95 0H-.6L-.35-.5L0 .5L.35-.5L.6 0H.95"/>"#
+        }
+        // A heater, or with negative power a cold plate.
         "heater" => {
             r#"<path class="body" d="M-.95-.6H.95V.6H-.95Z"/><path d="M-.7 .3L-.45-.3L-.15 .3L.15-.3L.45 .3L.7-.3"/>"#
         }
@@ -63,6 +68,12 @@ mod tests {
             "condenser",
             "coolant_side",
             "heater",
+            "orifice",
+            "leak",
+            "check_valve",
+            "relief_valve",
+            "pressure_regulator",
+            "hatch",
         ] {
             assert!(symbol(kind).is_some(), "{kind}");
         }
