@@ -93,8 +93,8 @@ export class Drawing {
     }
   }
 
-  /** Shows a frame; `density(node)` gives the density at a node [kg/m³]. */
-  show(frame, density) {
+  /** Shows a frame; `density(node)` gives the density at a node [kg/m³], `beyond` the ids of nodes beyond a limit. */
+  show(frame, density, beyond) {
     const { network, index } = this;
     const at = (id) => { const place = index.get(id); return place === undefined ? null : frame.values[place]; };
     const put = (id, text) => { const place = this.find(id); if (place && place.textContent !== text) place.textContent = text; };
@@ -110,6 +110,7 @@ export class Drawing {
       put(`n${number}b`, parts.join(" "));
       const group = this.find(`n${number}`);
       group.classList.toggle("fault", badNode === number);
+      group.classList.toggle("beyond", beyond.has(node.id));
       group.style.setProperty("--slowed", bent(at(`${node.id}.phi`) ?? 1));
     });
     const states = new Map(network.inputs.map((input, k) => [input.id, frame.inputs[k]]));
@@ -127,7 +128,7 @@ export class Drawing {
       own.wire.classList.toggle("fault", badLine === number);
       for (const [id] of line.elements) {
         const input = inputs.get(id);
-        const broken = input && !["free", "scheduled"].includes(states.get(input));
+        const broken = input && !["free", "scheduled", "controlled"].includes(states.get(input));
         this.find(`e${element}`).classList.toggle("broken", Boolean(broken));
         put(`e${element}a`, input ? write(at(input), unitFor(input, units.get(input))) : "");
         const outlet = at(`${id}.outlet_pressure`);

@@ -1,16 +1,17 @@
 // Puts the page together: frames go to the drawing, the figures, the controls, the trends and the table.
 
+import { Air } from "./air.js";
+import { Charts } from "./charts.js";
 import { Controls } from "./controls.js";
 import { Drawing } from "./drawing.js";
 import { Hardware } from "./hardware.js";
 import { Recorder } from "./recorder.js";
 import { listen, load } from "./stream.js";
-import { Chart, History } from "./trends.js";
-import { density, flow, gauge, pressure, show, unitFor, useUnits, write } from "./units.js";
+import { History, useSpan } from "./trends.js";
+import { clock, density, show, unitFor, useUnits, write } from "./units.js";
 
 const element = (id) => document.getElementById(id);
 const say = (text) => { element("news").textContent = text; };
-const MOST_CURVES = 6;
 
 let page = null;
 
@@ -25,11 +26,14 @@ async function build() {
   const built = {
     network, index, shown: 0, rate: 0, since: performance.now(), count: 0, tabled: 0,
     history: new History(network.values.length),
+    air: new Air(network, index, say),
+    charts: new Charts(network, index),
     controls: new Controls(network, say),
     hardware: new Hardware(network),
     recorder: new Recorder(network, element("record"), element("recorded")),
     chosen: new Set([...network.nodes.filter((node) => node.kind === "cabin").slice(0, 3).map((node) => node.id)]),
     lines: new Set(network.lines.slice(0, 3).map((line) => line.id)),
+    inlets: inlets(network),
     frame: null,
   };
   try {
@@ -58,10 +62,13 @@ function choose(built, id) {
   if (is) built.chosen.delete(id); else built.chosen.add(id);
   built.drawing.mark(built.chosen);
   built.controls.reveal(id);
-  const value = (name) => built.index.has(name) && built.frame
-    ? `, ${name.slice(name.lastIndexOf(".") + 1).replace("_", " ")} ${write(built.frame.values[built.index.get(name)], unitFor(name, built.network.values[built.index.get(name)].unit, 1.2))}`
-    : "";
-  const said = ["mass_flow", "outlet_pressure", "opening", "speed"].map((what) => value(`${id}.${what}`)).join("");
+  const value = (name) => {
+    const place = built.index.get(name);
+    if (place === undefined || !built.frame) return "";
+    const unit = unitOf(built, built.network.values[place], densityAt(built, built.frame));
+    return `, ${name.slice(name.lastIndexOf(".") + 1).replaceAll("_", " ")} ${write(built.frame.values[place], unit)}`;
+  };
+  const said = ["mass_flow", "outlet_pressure", "opening", "speed", "temperature", "relative_humidity"].map((what) => value(`${id}.${what}`)).join("");
   say(`${id}${said}${is ? ": taken from the trends" : ": drawn in the trends"}`);
 }
 
@@ -76,27 +83,20 @@ function densityAt(built, frame) {
   };
 }
 
-function trends(built, charts) {
-  const { network, index, chosen, lines } = built;
-  const flows = [];
-  const pressures = [];
-  const rho = built.frame ? densityAt(built, built.frame) : () => 1.2;
-  const carry = flow();
-  network.nodes.filter((node) => chosen.has(node.id)).forEach((node) => {
-    pressures.push({ label: node.id, place: index.get(`${node.id}.pressure`), of: gauge().of });
-  });
-  network.lines.forEach((line) => {
-    const { of } = flow(rho(line.from));
-    const ids = [...(lines.has(line.id) ? [line.id] : []), ...line.elements.map(([id]) => id).filter((id) => chosen.has(id))];
-    ids.forEach((id) => flows.push({ label: id, place: index.get(`${id}.mass_flow`), of }));
-    line.elements.filter(([id]) => chosen.has(id)).forEach(([id]) => {
-      pressures.push({ label: id, place: index.get(`${id}.outlet_pressure`), of: gauge().of });
-    });
-  });
-  charts.flow.set("Mass flow", carry.unit, flows.slice(-MOST_CURVES));
-  charts.pressure.set(`Pressure over ${write(network.reference_pa, pressure())}`, gauge().unit, pressures.slice(-MOST_CURVES));
-  charts.flow.draw(built.history);
-  charts.pressure.draw(built.history);
+/** Node from which a line, or the line of an element, starts: its density is that of the flow. */
+function inlets(network) {
+  const found = new Map();
+  for (const line of network.lines) {
+    found.set(line.id, line.from);
+    line.elements.forEach(([id]) => found.set(id, line.from));
+  }
+  return found;
+}
+
+/** The unit of a published value in the present frame. */
+function unitOf(built, value, rho) {
+  const inlet = built.inlets.get(value.id.slice(0, value.id.lastIndexOf(".")));
+  return unitFor(value.id, value.unit, inlet === undefined ? undefined : rho(inlet));
 }
 
 function figures(built, frame) {
@@ -104,8 +104,9 @@ function figures(built, frame) {
   const us = (number) => `${show(number, number < 10 ? 2 : 0)} µs`;
   const closure = Number.isFinite(f.closure) && f.closure !== null ? f.closure.toExponential(1).replace("-", "−") : "–";
   const lines = [
-    ["Plant time", `${show(f.t_s, 2)} s`], ["Tick", String(f.tick)], ["Speed", f.paused ? "held" : `× ${f.speed}`],
-    ["Overruns", f.overruns === null ? "–" : String(f.overruns), f.overruns > 0], ["Behind the clock", `${show(f.lag_s, 3)} s`],
+    ["Plant time", clock(f.t_s)], ["Tick", String(f.tick)], ["Speed", f.paused ? "held" : `× ${f.speed}`],
+    ["Overruns", f.overruns === null ? "–" : String(f.overruns), f.overruns > 0],
+    ["Behind the clock", f.lag_s < 600 ? `${show(f.lag_s, 3)} s` : clock(f.lag_s)],
     ["Headroom", f.headroom === null ? "–" : `${show(f.headroom * 100, 1)} %`, f.headroom !== null && f.headroom < 0.2], ["Step, mean", us(f.mean_us)],
     ["Step, 99 %", us(f.p99_us)], ["Step, worst", us(f.worst_us)],
     ["φ now", show(f.phi, 4)], ["φ_min", show(f.phi_worst, 4)], ["Ledger lacks", closure],
@@ -130,16 +131,15 @@ function figures(built, frame) {
 function table(built, frame) {
   const rows = element("table").children;
   const rho = densityAt(built, frame);
-  const at = built.network.lines.length ? rho(built.network.lines[0].from) : 1.2;
   built.network.values.forEach((value, place) => {
-    const unit = unitFor(value.id, value.unit, at);
+    const unit = unitOf(built, value, rho);
     const absolute = value.unit === "Pa" && value.id.endsWith(".pressure") ? built.network.reference_pa : 0;
     const number = frame.values[place];
     rows[place].lastChild.textContent = number === null ? "–" : write(number + absolute, unit);
   });
 }
 
-function onFrame(frame, charts) {
+function onFrame(frame) {
   const built = page;
   if (!built || frame.values.length !== built.network.values.length) return;
   const now = performance.now();
@@ -153,11 +153,12 @@ function onFrame(frame, charts) {
   }
   document.documentElement.dataset.frames = String((built.shown += 1));
   if (document.hidden) return;
-  built.drawing?.show(frame, densityAt(built, frame));
+  const rho = densityAt(built, frame);
+  built.drawing?.show(frame, rho, built.air.show(frame));
   built.controls.show(frame, built.index);
   built.hardware.show(frame);
   figures(built, frame);
-  if (built.shown % 4 === 1) trends(built, charts);
+  if (built.shown % 4 === 1) built.charts.draw(built.history, built.chosen, built.lines, rho);
   if (now - built.tabled > 1000 && element("all").querySelector("details").open) {
     built.tabled = now;
     table(built, frame);
@@ -187,6 +188,8 @@ function view() {
   element("theme").value = recall("theme");
   theme(element("theme").value);
   element("theme").onchange = (event) => { theme(event.target.value); remember("theme", event.target.value); };
+  element("span").onchange = (event) => useSpan(event.target.value);
+  useSpan(element("span").value);
   element("units").value = recall("units") || "si";
   useUnits(element("units").value);
   element("units").onchange = (event) => { useUnits(event.target.value); remember("units", event.target.value); };
@@ -194,12 +197,11 @@ function view() {
 
 async function start() {
   view();
-  const charts = { flow: new Chart("flow"), pressure: new Chart("pressure") };
   const known = { lost: false };
   while (!page) {
     try { page = await build(); } catch { await new Promise((done) => { setTimeout(done, 500); }); }
   }
-  listen((frame) => onFrame(frame, charts), (live) => onLink(live, known));
+  listen(onFrame, (live) => onLink(live, known));
 }
 
 start();

@@ -1,9 +1,13 @@
-// Curves of the last minute, drawn on a canvas.
+// Curves of the last minute, hour or day, drawn on a canvas.
 
 import { show } from "./units.js";
 
-const SPAN = 60; // s of plant time
-const KEPT = 1600; // frames
+const KEPT = 1600; // frames in a span, so that a day takes no more memory than a minute
+/** Spans [s of plant time] with the unit of their axis: name, its length [s], from mark to mark. */
+const SPANS = { 60: ["s", 1, 10], 600: ["min", 60, 1], 3600: ["min", 60, 10], 86400: ["h", 3600, 4] };
+
+let span = 60;
+export const useSpan = (seconds) => { span = SPANS[seconds] ? Number(seconds) : 60; };
 const LOOKS = [[], [7, 4], [2, 3], [10, 3, 2, 3], [4, 2], [1, 2]];
 
 /** All values of the last frames, so that a curve that is chosen has a past. */
@@ -15,29 +19,40 @@ export class History {
   add(time, values) {
     const last = this.times[this.times.length - 1];
     if (last !== undefined && time < last) this.clear();
-    if (last !== undefined && time === last) return;
+    // What lies closer than a picture can show is left out; the newest frame is always there.
+    const before = this.times[this.times.length - 2];
+    if (last !== undefined && (time === last || (before !== undefined && time - before < span / KEPT))) {
+      this.times.pop();
+      this.rows.pop();
+    }
     this.times.push(time);
     this.rows.push(Float64Array.from(values, (value) => (value === null ? NaN : value)));
-    if (this.times.length > KEPT) { this.times.shift(); this.rows.shift(); }
+    while (this.times.length > 2 * KEPT || this.times[1] < time - span) { this.times.shift(); this.rows.shift(); }
   }
 }
 
 /** One chart: `curves` are { label, place, of } with `of` turning a value into the unit shown. */
 export class Chart {
   constructor(name) {
-    this.canvas = document.getElementById(`${name}-chart`);
-    this.caption = document.getElementById(`${name}-caption`);
-    this.legend = document.getElementById(`${name}-legend`);
+    const made = (kind, id) => Object.assign(document.createElement(kind), { id: `${name}-${id}` });
+    this.figure = document.createElement("figure");
+    this.canvas = made("canvas", "chart");
+    this.canvas.setAttribute("role", "img");
+    this.caption = made("figcaption", "caption");
+    this.legend = made("ul", "legend");
+    this.legend.className = "legend";
+    this.figure.append(this.caption, this.canvas, this.legend);
     this.curves = [];
   }
 
   set(title, unit, curves) {
-    const key = JSON.stringify([title, unit, curves.map((curve) => curve.label)]);
+    const [name] = SPANS[span];
+    const key = JSON.stringify([title, unit, name, curves.map((curve) => curve.label)]);
     this.curves = curves;
     this.unit = unit;
     if (key === this.key) return;
     this.key = key;
-    this.caption.textContent = `${title} [${unit}] over plant time [s]`;
+    this.caption.textContent = `${title} [${unit}] over plant time [${name}]`;
     this.legend.replaceChildren(...curves.map((curve, number) => {
       const item = document.createElement("li");
       const stroke = document.createElement("b");
@@ -61,8 +76,8 @@ export class Chart {
     pen.setTransform(scale, 0, 0, scale, 0, 0);
     pen.clearRect(0, 0, width, height);
     const { times, rows } = history;
-    const end = times.length ? Math.max(times[times.length - 1], SPAN) : SPAN;
-    const begin = end - SPAN;
+    const end = times.length ? Math.max(times[times.length - 1], span) : span;
+    const begin = end - span;
     let first = 0;
     while (first < times.length && times[first] < begin) first += 1;
     let [low, high] = [Infinity, -Infinity];
@@ -76,7 +91,7 @@ export class Chart {
     const room = Math.max((high - low) * 0.08, Math.abs(high) * 1e-4, 1e-3);
     [low, high] = [low - room, high + room];
     const [left, right, top, bottom] = [62, width - 8, 6, height - 20];
-    const x = (time) => left + ((time - begin) / SPAN) * (right - left);
+    const x = (time) => left + ((time - begin) / span) * (right - left);
     const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
     pen.font = "11px system-ui, sans-serif";
     pen.lineWidth = 1;
@@ -93,9 +108,10 @@ export class Chart {
     }
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (let tick = Math.ceil(begin / 10) * 10; tick <= end; tick += 10) {
+    const [, long, every] = SPANS[span];
+    for (let tick = Math.ceil(begin / long / every) * every * long; tick <= end; tick += every * long) {
       pen.beginPath(); pen.moveTo(x(tick), top); pen.lineTo(x(tick), bottom); pen.stroke();
-      pen.fillText(String(tick), Math.min(x(tick), right - 8), bottom + 5);
+      pen.fillText(String(Math.round(tick / long)), Math.min(x(tick), right - 8), bottom + 5);
     }
     this.curves.forEach((curve, number) => {
       pen.strokeStyle = colour(`--c${number % 6}`);

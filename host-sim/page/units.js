@@ -37,19 +37,53 @@ export const flow = (density) => system === "us"
 export const temperature = () => system === "us"
   ? { unit: "°F", of: (k) => (k - 273.15) * 1.8 + 32, digits: 1 }
   : { unit: "°C", of: (k) => k - 273.15, digits: 1 };
+/** Difference of temperatures [K]. */
+const warmth = () => system === "us"
+  ? { unit: "°F", of: (k) => k * 1.8, digits: 2 }
+  : { unit: "K", of: (k) => k, digits: 2 };
+/** Partial pressure [Pa]. */
+export const partial = () => system === "us"
+  ? { unit: "mmHg", of: (pa) => pa / MMHG, digits: 2 }
+  : { unit: "kPa", of: (pa) => pa * 1e-3, digits: 3, fixed: true };
+/** A trickle, such as condensate or make-up gas [kg/s]. */
+export const trickle = () => system === "us"
+  ? { unit: "lb/h", of: (kg) => kg * 7936.641, digits: 3 }
+  : { unit: "g/h", of: (kg) => kg * 3.6e6, digits: 1 };
+const mass = () => system === "us"
+  ? { unit: "lb", of: (kg) => kg * 2.2046226, digits: 3 }
+  : { unit: "kg", of: (kg) => kg, digits: 3 };
+const stream = () => system === "us"
+  ? { unit: "cfm", of: (volume) => volume / CFM, digits: 2 }
+  : { unit: "l/s", of: (volume) => volume * 1e3, digits: 2 };
 export const ratio = () => ({ unit: "%", of: (part) => part * 100, digits: 1 });
 const plain = (unit) => ({ unit: unit === "1" ? "" : unit, of: (number) => number, digits: 4 });
 
 export const density = (pa, kelvin) => pa / (GAS_CONSTANT * kelvin);
 
+const PARTS = new Set(["oxygen", "carbon_dioxide", "vapour", "nitrogen", "trace"]);
+const TRICKLES = new Set([...PARTS, "liquid", "condensate"]);
+
+/** What is published for a quantity that was typed in the unit shown. */
+export const back = (shown, unit) => (shown - unit.of(0)) / (unit.of(1) - unit.of(0));
+
 /** The unit for a published value, by its id and SI unit. */
 export function unitFor(id, unit, at) {
   const what = id.slice(id.lastIndexOf(".") + 1);
-  if (unit === "kg/s") return flow(at);
-  if (unit === "Pa") return what === "pressure" ? pressure() : gauge();
-  if (unit === "K") return temperature();
-  if (unit === "1" && (what === "opening" || what === "speed" || what.endsWith("humidity") || what.endsWith("efficiency"))) return ratio();
+  if (unit === "kg/s") return TRICKLES.has(what) ? trickle() : flow(what === "coolant_flow" ? null : at);
+  if (unit === "Pa") return what === "pressure" ? pressure() : what === "setpoint" ? partial() : PARTS.has(what) ? partial() : gauge();
+  if (unit === "K") return what === "sensor_bias" ? warmth() : temperature();
+  if (unit === "kg") return mass();
+  if (unit === "m³/s") return stream();
+  if (unit === "1" && (what === "opening" || what === "speed" || what === "mixed" || what.endsWith("humidity") || what.endsWith("efficiency"))) return ratio();
+  if (what === "count" || what === "activity") return { ...plain(unit), digits: 1 };
   return plain(unit);
+}
+
+/** Plant time [s]; from ten minutes on as hours, minutes and seconds. */
+export function clock(seconds) {
+  if (!(seconds >= 600)) return `${show(seconds, 2)} s`;
+  const two = (number) => String(Math.floor(number)).padStart(2, "0");
+  return `${Math.floor(seconds / 3600)}:${two((seconds / 60) % 60)}:${two(seconds % 60)}`;
 }
 
 /** A value with its unit. */

@@ -5,6 +5,7 @@
 //! with a fixed set of answers. The page itself is part of the program and loads nothing from elsewhere.
 
 pub mod feed;
+mod hand;
 mod hub;
 pub(crate) mod pace;
 pub mod plant;

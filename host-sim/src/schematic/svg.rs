@@ -119,9 +119,15 @@ impl Drawing {
                 node.id, node.remark, rect.x, rect.y, rect.width, rect.height
             )?;
             if kind == "accumulator" {
-                // The bladder between liquid and gas.
-                let (x, y, mid, low) = (rect.x + 14, rect.y + 4, rect.y + rect.height / 2, rect.bottom() - 4);
-                writeln!(out, r#"<path class="bladder" d="M{x} {y}Q{} {mid} {x} {low}"/>"#, x + 10)?;
+                // A bladder within the shell.
+                let (x, y, width, height) = (rect.x + 4, rect.y + 4, rect.width - 8, rect.height - 8);
+                writeln!(
+                    out,
+                    r#"<path class="bladder" d="M{} {y}h{w}a{r} {r} 0 0 1 0 {height}h-{w}a{r} {r} 0 0 1 0-{height}"/>"#,
+                    x + height / 2,
+                    w = width - height,
+                    r = height / 2,
+                )?;
             }
             // The third line of type is for the page; without it the other two stand in the middle.
             let low = if dress == Dress::File && kind != "junction" { self.style.leading() / 2 } else { 0 };

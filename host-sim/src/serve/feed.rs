@@ -263,6 +263,8 @@ pub enum InputState {
     Free,
     /// The scenario's schedule.
     Scheduled,
+    /// A control loop of the plant.
+    Controlled,
     /// Nobody: it is broken.
     Stuck,
     /// Nobody: it is broken.

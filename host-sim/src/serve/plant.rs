@@ -7,9 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use eclss_core::{Health, Network, Place, Settings, Simulator};
+use eclss_core::climate::Measure;
+use eclss_core::{Health, Network, Place, Settings};
 
-use super::feed::{Catalogue, Command, Input, InputState, LineInfo, Malfunction, NodeInfo, Publisher};
+use super::feed::{Catalogue, Input, LineInfo, NodeInfo, Publisher};
+use super::hand::{Asked, Hand};
 use super::pace::{Costs, Pace};
 use super::reading::{Reading, values};
 use crate::refusal::refused;
@@ -20,10 +22,6 @@ use crate::{Closure, Failure, HostBuffers, Source, is_pseudo_time};
 pub const FRAME: Duration = Duration::from_millis(50);
 /// Longest time that a wake-up may take before commands are looked at again.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// Most steps that a command may ask for.
-const MOST_STEPS: u32 = 1_000_000;
-/// Speed over the clock's.
-const SPEEDS: std::ops::RangeInclusive<f32> = 0.01..=1_000.0;
 
 /// The network as its file says.
 const AS_WRITTEN: &str = "as in the file";
@@ -70,7 +68,19 @@ impl Plant {
             min,
             max,
         };
-        all.map(input).enumerate().collect()
+        let mut inputs: Vec<_> = all.map(input).enumerate().collect();
+        // Setpoint and bias are in the unit of what is measured.
+        for control in &loaded.climate.loops {
+            let unit = match control.measure {
+                Measure::Temperature(_) | Measure::DewPoint(_) | Measure::AirOutlet(_) => "K",
+                Measure::RelativeHumidity(_) => "1",
+                Measure::Pressure(_) | Measure::Partial(..) => "Pa",
+            };
+            for (_, input) in inputs.iter_mut().skip(control.first_input as usize).take(2) {
+                unit.clone_into(&mut input.unit);
+            }
+        }
+        inputs
     }
 
     /// What the page is told once.
@@ -78,6 +88,12 @@ impl Plant {
         let loaded = &self.source.loaded;
         let graph = crate::schematic::Graph::of(&loaded.file);
         let step = crate::Duration::from_us(u64::from(self.settings.step_us));
+        let mut values = values(loaded, self.settings.method);
+        for (_, input) in self.inputs() {
+            if let Some(value) = values.iter_mut().find(|value| value.id == input.id) {
+                value.unit = input.unit;
+            }
+        }
         Catalogue {
             title: graph.title.clone(),
             source: self.source.name.clone(),
@@ -88,7 +104,7 @@ impl Plant {
             reference_pa: loaded.reference_pa,
             control,
             scenarios: self.scenarios.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            values: values(loaded, self.settings.method),
+            values,
             inputs: self.inputs().into_iter().map(|(_, input)| input).collect(),
             nodes: graph
                 .nodes
@@ -116,16 +132,7 @@ impl Plant {
 
     /// Runs until `stop`. Returns what went wrong, if anything did.
     pub fn run(&self, mut publisher: Publisher, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
-        let mut hand = Hand {
-            inputs: self.inputs(),
-            broken: Vec::new(),
-            wanted: Vec::new(),
-            paused: false,
-            speed: 1.0,
-            steps: 0,
-            scenario: 0,
-            refused: 0,
-        };
+        let mut hand = Hand::new(self.inputs());
         let costs = || Failure::Failed("the histogram of costs cannot be made".into());
         let mut costs = Costs::new().ok_or_else(costs)?;
         while !stop.load(Ordering::Relaxed) {
@@ -186,7 +193,7 @@ impl Plant {
                 let closure = ledger.read(&simulator);
                 publisher.publish(|frame| {
                     reading.read(&simulator, &mut segments, &mut frame.values);
-                    hand.show(&network, &mut frame.inputs);
+                    hand.show(&simulator, &mut frame.inputs);
                     let figures = &mut frame.figures;
                     (figures.tick, figures.t_s) = (simulator.tick(), simulator.time_us() as f64 * 1e-6);
                     (figures.scenario, figures.paused, figures.speed) =
@@ -211,113 +218,5 @@ impl Plant {
             }
         }
         Ok(())
-    }
-}
-
-/// What a command asks of the loop.
-enum Asked {
-    Nothing,
-    Pace,
-    Scenario,
-}
-
-/// What the operator has set.
-struct Hand {
-    inputs: Vec<(usize, Input)>,
-    broken: Vec<Option<Malfunction>>,
-    /// What each slider says, broken or not.
-    wanted: Vec<f32>,
-    paused: bool,
-    speed: f32,
-    steps: u32,
-    scenario: usize,
-    refused: u64,
-}
-
-impl Hand {
-    fn begin(&mut self, network: &Network<'_>) {
-        self.broken = vec![None; self.inputs.len()];
-        let start = |(slot, _): &(usize, Input)| network.inputs.get(*slot).copied().unwrap_or(0.0);
-        self.wanted = self.inputs.iter().map(start).collect();
-    }
-
-    fn take(
-        &mut self,
-        command: Command,
-        simulator: &mut Simulator<'_>,
-        scenarios: &[(&'static str, bool)],
-    ) -> Asked {
-        match command {
-            Command::Set { input, value } => {
-                let good = match self.inputs.get(input) {
-                    Some((slot, spec)) if value.is_finite() => {
-                        let value = value.clamp(spec.min, spec.max);
-                        let free = self.broken[input].is_none();
-                        let taken = if free { simulator.set_input(*slot, value).is_ok() } else { true };
-                        if taken {
-                            self.wanted[input] = value;
-                        }
-                        taken
-                    }
-                    _ => false,
-                };
-                self.refused += u64::from(!good);
-                Asked::Nothing
-            }
-            Command::Break { input, how } => {
-                let Some((slot, spec)) = self.inputs.get(input) else {
-                    self.refused += 1;
-                    return Asked::Nothing;
-                };
-                let present = simulator.inputs().get(*slot).copied().unwrap_or(0.0);
-                let value = match how {
-                    None => self.wanted[input],
-                    Some(Malfunction::Stuck) => present,
-                    Some(Malfunction::Low) => spec.min,
-                    Some(Malfunction::High) => spec.max,
-                };
-                if simulator.set_input(*slot, value).is_ok() {
-                    self.broken[input] = how;
-                } else {
-                    self.refused += 1;
-                }
-                Asked::Nothing
-            }
-            Command::Pause { on } => {
-                self.paused = on;
-                self.steps = 0;
-                Asked::Pace
-            }
-            Command::Step { steps } => {
-                self.paused = true;
-                self.steps = steps.min(MOST_STEPS);
-                Asked::Nothing
-            }
-            Command::Speed { factor } if SPEEDS.contains(&factor) => {
-                self.speed = factor;
-                Asked::Pace
-            }
-            Command::Scenario { number } if number < scenarios.len() => {
-                self.scenario = number;
-                Asked::Scenario
-            }
-            Command::Speed { .. } | Command::Scenario { .. } => {
-                self.refused += 1;
-                Asked::Nothing
-            }
-        }
-    }
-
-    fn show(&self, network: &Network<'_>, states: &mut [InputState]) {
-        for ((slot, _), (broken, state)) in self.inputs.iter().zip(self.broken.iter().zip(states)) {
-            let scheduled = network.schedules.iter().any(|schedule| schedule.input as usize == *slot);
-            *state = match broken {
-                Some(Malfunction::Stuck) => InputState::Stuck,
-                Some(Malfunction::Low) => InputState::Low,
-                Some(Malfunction::High) => InputState::High,
-                None if scheduled => InputState::Scheduled,
-                None => InputState::Free,
-            };
-        }
     }
 }

@@ -18,7 +18,7 @@ const CONNECTIONS: usize = 64;
 const WRITE: Duration = Duration::from_secs(5);
 
 /// Files of the page: path, type, content. All of it is part of the program.
-const FILES: [(&str, &str, &str); 11] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("/", "text/html; charset=utf-8", include_str!("../../page/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("../../page/page.css")),
     ("/schematic.css", "text/css; charset=utf-8", include_str!("../../page/schematic.css")),
@@ -27,6 +27,8 @@ const FILES: [(&str, &str, &str); 11] = [
     ("/units.js", SCRIPT, include_str!("../../page/units.js")),
     ("/drawing.js", SCRIPT, include_str!("../../page/drawing.js")),
     ("/trends.js", SCRIPT, include_str!("../../page/trends.js")),
+    ("/air.js", SCRIPT, include_str!("../../page/air.js")),
+    ("/charts.js", SCRIPT, include_str!("../../page/charts.js")),
     ("/controls.js", SCRIPT, include_str!("../../page/controls.js")),
     ("/recorder.js", SCRIPT, include_str!("../../page/recorder.js")),
     ("/hardware.js", SCRIPT, include_str!("../../page/hardware.js")),
