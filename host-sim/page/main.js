@@ -6,7 +6,7 @@ import { Controls } from "./controls.js";
 import { Drawing } from "./drawing.js";
 import { Hardware } from "./hardware.js";
 import { Recorder } from "./recorder.js";
-import { listen, load } from "./stream.js";
+import { ask, listen, load } from "./stream.js";
 import { History, useSpan } from "./trends.js";
 import { clock, density, show, unitFor, useUnits, write } from "./units.js";
 
@@ -18,6 +18,8 @@ let page = null;
 /** Everything that belongs to one network; made anew when the server comes back with another one. */
 async function build() {
   const network = await load("/network", "json");
+  await choices(network);
+  page?.recorder.drop();
   const index = new Map(network.values.map((value, place) => [value.id, place]));
   document.title = `${network.title} – eclss-rt`;
   element("title").textContent = network.title;
@@ -30,7 +32,7 @@ async function build() {
     charts: new Charts(network, index),
     controls: new Controls(network, say),
     hardware: new Hardware(network),
-    recorder: new Recorder(network, element("record"), element("recorded")),
+    recorder: new Recorder(network, { button: element("record"), counter: element("recorded"), file: element("file") }, say),
     chosen: new Set([...network.nodes.filter((node) => node.kind === "cabin").slice(0, 3).map((node) => node.id)]),
     lines: new Set(network.lines.slice(0, 3).map((line) => line.id)),
     inlets: inlets(network),
@@ -54,6 +56,21 @@ async function build() {
     return row;
   }));
   return built;
+}
+
+/** Offers the networks that the server offers. */
+async function choices(network) {
+  const names = await load("/networks", "json");
+  const list = element("network");
+  element("networks").hidden = names.length === 0;
+  list.replaceChildren(...names.map((name, number) => new Option(number ? name : `${name.replace(/^copy of | inside this program$/g, "")} (as begun)`, String(number))));
+  // The first is the one that was asked for when the server began; others come out of the program.
+  list.value = String(Math.max(0, names.findIndex((name, number) => number > 0 && network.source === `copy of ${name} inside this program`)));
+  if (network.source === names[0]) list.value = "0";
+  list.onchange = async () => {
+    const refused = await ask("/networks", { network: Number(list.value) });
+    if (refused) say(refused);
+  };
 }
 
 /** A node or element was chosen: its pressure or flow joins the trends or leaves them. */

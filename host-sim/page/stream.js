@@ -5,6 +5,7 @@ const WATCH = 2500; // ms without a frame before the connection counts as lost
 export async function load(path, kind) {
   const answer = await fetch(path, { cache: "no-store" });
   if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+  if (answer.status === 204) throw new Error(`${path}: nothing`);
   return kind === "json" ? answer.json() : answer.text();
 }
 
@@ -34,16 +35,19 @@ export function listen(onFrame, onLink) {
   }, 500);
 }
 
-/** Sends a command; resolves to an empty text or to why it was refused. */
-export async function send(command) {
+/** Asks the server to do something; resolves to an empty text or to why it was refused. */
+export async function ask(path, wish) {
   try {
-    const answer = await fetch("/command", {
+    const answer = await fetch(path, {
       method: "POST",
       headers: { "Content-Type": "application/json" },
-      body: JSON.stringify(command),
+      body: JSON.stringify(wish),
     });
     return answer.ok ? "" : (await answer.text()).trim();
   } catch {
     return "the plant does not answer";
   }
 }
+
+/** Sends a command. */
+export const send = (command) => ask("/command", command);

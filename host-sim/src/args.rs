@@ -195,7 +195,7 @@ impl Default for PaperArgs {
 }
 
 /// How a network is stepped.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Stepping {
     /// Method; the file's when absent.
     #[arg(long, value_name = "M", value_parser = method)]
@@ -352,6 +352,9 @@ pub(crate) struct ServeArgs {
     /// Let the page move inputs, break them, hold the plant and choose scenarios.
     #[arg(long)]
     pub(crate) control: bool,
+    /// Let the page record into files in this folder.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) recordings: Option<PathBuf>,
     /// Open the page in the browser.
     #[arg(long)]
     pub(crate) open: bool,

@@ -14,6 +14,16 @@ const SHIPPED: &str = include_str!("../../networks/paper.toml");
 /// Where the shipped network file stands in the repository.
 const SHIPPED_PATH: &str = "networks/paper.toml";
 
+/// All networks that ship: path in the repository, text.
+pub(crate) const NETWORKS: [(&str, &str); 6] = [
+    (SHIPPED_PATH, SHIPPED),
+    ("networks/paper-p0.toml", include_str!("../../networks/paper-p0.toml")),
+    ("networks/paper-p.toml", include_str!("../../networks/paper-p.toml")),
+    ("networks/station.toml", include_str!("../../networks/station.toml")),
+    ("networks/thcs.toml", include_str!("../../networks/thcs.toml")),
+    ("networks/hil.toml", include_str!("../../networks/hil.toml")),
+];
+
 /// A network and where it came from.
 #[derive(Debug, Clone)]
 pub struct Source {
@@ -106,6 +116,23 @@ mod tests {
         let source = Source::bytes(SHIPPED.as_bytes(), SHIPPED_PATH, String::new()).unwrap();
         assert!(source.loaded.network().check().is_ok());
         assert!(source.loaded.names.inputs.iter().any(|name| name == "valve.opening"));
+    }
+
+    #[test]
+    fn every_network_that_ships_is_part_of_the_program() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks");
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let mut found: Vec<_> = files
+            .filter(|path| std::fs::read_to_string(path).is_ok_and(|text| text.contains("[[node]]")))
+            .map(|path| format!("networks/{}", path.file_name().unwrap().display()))
+            .collect();
+        let mut known: Vec<_> = NETWORKS.iter().map(|(path, _)| (*path).to_owned()).collect();
+        found.sort();
+        known.sort();
+        assert_eq!(found, known);
+        for (path, text) in NETWORKS {
+            Source::built_in(text, path).unwrap_or_else(|failure| panic!("{failure}"));
+        }
     }
 
     #[test]

@@ -361,10 +361,10 @@ impl Feed {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn catalogue() -> Catalogue {
+    pub(in crate::serve) fn catalogue() -> Catalogue {
         Catalogue {
             title: String::new(),
             source: String::new(),

@@ -219,7 +219,10 @@ mod tests {
         let mut states = vec![InputState::Free; source.loaded.names.inputs.len()];
         let (che, bypass) = (input("che_valve.opening"), input("bypass_valve.opening"));
         hand.show(&simulator, &mut states);
-        assert_eq!((states[che], states[input("fan.speed")]), (InputState::Controlled, InputState::Scheduled));
+        assert_eq!(
+            (states[che], states[input("fan.speed")]),
+            (InputState::Controlled, InputState::Scheduled)
+        );
         for (how, state, other, opening) in [
             (Malfunction::Low, InputState::Low, InputState::High, 0.1),
             (Malfunction::High, InputState::High, InputState::Low, 1.0),

@@ -40,15 +40,23 @@ impl Hub {
         Some(receiver)
     }
 
-    /// Passes frames on until `stop`.
-    pub(super) fn run(&self, feed: &Feed, stop: &AtomicBool) {
+    /// Sends every page away, to come back and find another plant.
+    pub(super) fn turn_over(&self) {
+        self.pages.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        *self.latest.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// Passes frames of the feed that `feed` gives on, to pages and `also`, until `stop`.
+    pub(super) fn run(&self, feed: impl Fn() -> Feed, also: impl Fn(&Frame), stop: &AtomicBool) {
         let mut frame = Frame::default();
         let mut number = 0;
         while !stop.load(Ordering::Relaxed) {
             std::thread::sleep(LOOK);
+            let feed = feed();
             if !feed.fetch(&mut frame) {
                 continue;
             }
+            also(&frame);
             number += 1;
             let missed = feed.dropped() + self.dropped.load(Ordering::Relaxed);
             let text: Arc<str> = event(&frame, number, missed).into();

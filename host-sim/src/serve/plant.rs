@@ -53,6 +53,11 @@ impl Plant {
         Ok(plant)
     }
 
+    /// Where the network came from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
     fn network(&self, scheduled: bool) -> Network<'_> {
         let network = self.source.loaded.network();
         if scheduled { network } else { Network { schedules: &[], points: &[], ..network } }

@@ -1,61 +1,56 @@
-//! The server: a thread that accepts, one for each connection, and a fixed set of answers. No file is ever opened on
-//! a request's word.
+//! The server: a thread that accepts, one for each connection, and one that passes frames on.
 
-use std::io::{self, Write};
+use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use super::feed::{Command, Feed};
+use super::answer::{Choices, answer, refuse, reply};
+use super::feed::Feed;
 use super::hub::Hub;
-use super::request::{self, Refusal, Request};
+use super::recorder::Recorder;
+use super::request;
 
 /// Connections at once; further ones are turned away.
 const CONNECTIONS: usize = 64;
 /// Time for a write to a page that does not read.
 const WRITE: Duration = Duration::from_secs(5);
 
-/// Files of the page: path, type, content. All of it is part of the program.
-const FILES: [(&str, &str, &str); 13] = [
-    ("/", "text/html; charset=utf-8", include_str!("../../page/index.html")),
-    ("/page.css", "text/css; charset=utf-8", include_str!("../../page/page.css")),
-    ("/schematic.css", "text/css; charset=utf-8", include_str!("../../page/schematic.css")),
-    ("/main.js", SCRIPT, include_str!("../../page/main.js")),
-    ("/stream.js", SCRIPT, include_str!("../../page/stream.js")),
-    ("/units.js", SCRIPT, include_str!("../../page/units.js")),
-    ("/drawing.js", SCRIPT, include_str!("../../page/drawing.js")),
-    ("/trends.js", SCRIPT, include_str!("../../page/trends.js")),
-    ("/air.js", SCRIPT, include_str!("../../page/air.js")),
-    ("/charts.js", SCRIPT, include_str!("../../page/charts.js")),
-    ("/controls.js", SCRIPT, include_str!("../../page/controls.js")),
-    ("/recorder.js", SCRIPT, include_str!("../../page/recorder.js")),
-    ("/hardware.js", SCRIPT, include_str!("../../page/hardware.js")),
-];
-const SCRIPT: &str = "text/javascript; charset=utf-8";
-const JSON: &str = "application/json";
-
-/// Nothing is loaded from elsewhere, nothing inline runs, nobody may frame the page.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
 /// A running server; it stops when dropped.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
+    shared: Arc<Shared>,
     stop: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
 
+/// The plant that is shown.
+pub(super) struct Shown {
+    pub(super) feed: Feed,
+    pub(super) catalogue: String,
+    pub(super) drawing: Option<String>,
+}
+
+impl Shown {
+    fn new(feed: Feed, drawing: Option<String>) -> io::Result<Arc<Self>> {
+        let catalogue = serde_json::to_string(&*feed.catalogue)?;
+        Ok(Arc::new(Self { feed, catalogue, drawing }))
+    }
+}
+
 /// What every connection needs.
-struct Shared {
+pub(super) struct Shared {
     own: SocketAddr,
-    feed: Feed,
-    hub: Hub,
-    catalogue: String,
-    drawing: Option<String>,
-    stop: Arc<AtomicBool>,
+    shown: RwLock<Arc<Shown>>,
+    pub(super) hub: Hub,
+    pub(super) recorder: Recorder,
+    pub(super) choices: OnceLock<Choices>,
+    pub(super) stop: Arc<AtomicBool>,
     open: AtomicUsize,
 }
 
@@ -65,29 +60,65 @@ impl Server {
         let listener = TcpListener::bind(address)?;
         let own = listener.local_addr()?;
         let stop = Arc::new(AtomicBool::new(false));
-        let catalogue = serde_json::to_string(&*feed.catalogue)?;
         let shared = Arc::new(Shared {
             own,
-            feed,
+            shown: RwLock::new(Shown::new(feed, drawing)?),
             hub: Hub::default(),
-            catalogue,
-            drawing,
+            recorder: Recorder::default(),
+            choices: OnceLock::new(),
             stop: Arc::clone(&stop),
             open: AtomicUsize::new(0),
         });
-        let hub = Arc::clone(&shared);
+        let (hub, doors) = (Arc::clone(&shared), Arc::clone(&shared));
+        let frames = move || {
+            hub.hub.run(|| hub.shown().feed.clone(), |frame| hub.recorder.note(frame), &hub.stop);
+            hub.recorder.end(None);
+        };
         let threads = vec![
-            std::thread::Builder::new()
-                .name("frames".into())
-                .spawn(move || hub.hub.run(&hub.feed, &hub.stop))?,
-            std::thread::Builder::new().name("accept".into()).spawn(move || accept(&listener, &shared))?,
+            std::thread::Builder::new().name("frames".into()).spawn(frames)?,
+            std::thread::Builder::new().name("accept".into()).spawn(move || accept(&listener, &doors))?,
         ];
-        Ok(Self { address: own, stop, threads })
+        Ok(Self { address: own, shared, stop, threads })
+    }
+
+    /// Shows another plant; pages come back and find it. A recording ends.
+    pub fn show(&self, feed: Feed, drawing: Option<String>) -> io::Result<()> {
+        let shown = Shown::new(feed, drawing)?;
+        self.shared.recorder.end(Some("another plant is shown"));
+        *self.shared.shown.write().unwrap_or_else(PoisonError::into_inner) = shown;
+        self.shared.hub.turn_over();
+        Ok(())
+    }
+
+    /// Lets pages write what they show into files in `folder`.
+    pub fn allow_recording(&self, folder: PathBuf) {
+        self.shared.recorder.allow(folder);
+    }
+
+    /// Lets pages choose among `networks`; the numbers of those asked for arrive at the receiver. Only where commands
+    /// are taken.
+    pub fn offer(&self, networks: Vec<String>) -> Receiver<usize> {
+        let (asked, receiver) = sync_channel(1);
+        let _ = self.shared.choices.set(Choices { networks, asked });
+        receiver
     }
 
     /// Where it listens.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+}
+
+impl Shared {
+    /// The plant that is shown now.
+    pub(super) fn shown(&self) -> Arc<Shown> {
+        Arc::clone(&self.shown.read().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl std::fmt::Debug for Shared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shared").field("own", &self.own).finish_non_exhaustive()
     }
 }
 
@@ -140,96 +171,4 @@ fn serve(stream: &mut TcpStream, shared: &Shared) -> io::Result<()> {
         Ok(Some(request)) => reply(stream, shared, &request),
         Err(refusal) => refuse(stream, refusal),
     }
-}
-
-fn refuse(stream: &mut TcpStream, Refusal(status, reason): Refusal) -> io::Result<()> {
-    answer(stream, status, "text/plain; charset=utf-8", format!("{reason}\n").as_bytes(), true)?;
-    // What is still being sent is read for a moment, so that the answer is not lost to a reset; not for longer.
-    stream.shutdown(Shutdown::Write)?;
-    stream.set_read_timeout(Some(Duration::from_millis(100)))?;
-    let mut rest = [0; 4096];
-    for _ in 0..16 {
-        if io::Read::read(stream, &mut rest)? == 0 {
-            break;
-        }
-    }
-    Ok(())
-}
-
-fn reply(stream: &mut TcpStream, shared: &Shared, request: &Request) -> io::Result<()> {
-    let whole = request.method != "HEAD";
-    if request.method == "POST" {
-        let refusal = match request.path.as_str() {
-            "/command" if !shared.feed.catalogue.control => {
-                Refusal(403, "this server takes no commands; start it with --control")
-            }
-            "/command" => match serde_json::from_slice::<Command>(&request.body) {
-                Ok(command) if shared.feed.command(command) => {
-                    return answer(stream, 204, JSON, b"", true);
-                }
-                Ok(_) => Refusal(503, "too many commands wait"),
-                Err(_) => Refusal(400, "not a command"),
-            },
-            _ => Refusal(404, "there is nothing here"),
-        };
-        return refuse(stream, refusal);
-    }
-    match request.path.as_str() {
-        "/network" => answer(stream, 200, JSON, shared.catalogue.as_bytes(), whole),
-        "/schematic.svg" => match &shared.drawing {
-            Some(drawing) => answer(stream, 200, "image/svg+xml", drawing.as_bytes(), whole),
-            None => refuse(stream, Refusal(404, "this network is not drawn")),
-        },
-        // One frame, for programs that ask now and then.
-        "/frame" => match shared.hub.latest() {
-            Some(event) => answer(stream, 200, JSON, event.trim_start_matches("data: ").as_bytes(), whole),
-            None => refuse(stream, Refusal(503, "nothing was published yet")),
-        },
-        "/events" if whole => events(stream, shared),
-        path => match FILES.iter().find(|(name, ..)| *name == path) {
-            Some((_, kind, text)) => answer(stream, 200, kind, text.as_bytes(), whole),
-            None => refuse(stream, Refusal(404, "there is nothing here")),
-        },
-    }
-}
-
-fn answer(stream: &mut TcpStream, status: u16, kind: &str, body: &[u8], whole: bool) -> io::Result<()> {
-    let mut bytes = head(status, kind, Some(body.len())).into_bytes();
-    if whole {
-        bytes.extend_from_slice(body);
-    }
-    stream.write_all(&bytes)
-}
-
-fn head(status: u16, kind: &str, length: Option<usize>) -> String {
-    let reason = match status {
-        200 => "OK",
-        204 => "No Content",
-        400..=499 => "Refused",
-        _ => "Unavailable",
-    };
-    let length = length.map(|length| format!("Content-Length: {length}\r\n")).unwrap_or_default();
-    format!(
-        "HTTP/1.1 {status} {reason}\r\nContent-Type: {kind}\r\n{length}Connection: close\r\nCache-Control: no-store\r\n\
-         X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
-         Cross-Origin-Resource-Policy: same-origin\r\nContent-Security-Policy: {POLICY}\r\n\r\n"
-    )
-}
-
-/// Frames until the page goes away or the server stops.
-fn events(stream: &mut TcpStream, shared: &Shared) -> io::Result<()> {
-    let Some(frames) = shared.hub.join() else {
-        return refuse(stream, Refusal(503, "too many pages are open"));
-    };
-    stream.write_all(head(200, "text/event-stream", None).as_bytes())?;
-    // A browser that lost us comes back within half a second.
-    stream.write_all(b"retry: 500\n\n")?;
-    while !shared.stop.load(Ordering::Relaxed) {
-        match frames.recv_timeout(Duration::from_secs(1)) {
-            Ok(frame) => stream.write_all(frame.as_bytes())?,
-            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => stream.write_all(b": still here\n\n")?,
-            Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => break,
-        }
-    }
-    Ok(())
 }

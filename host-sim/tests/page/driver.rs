@@ -119,9 +119,25 @@ impl Browser {
 
     /// Asks for light or dark pages.
     pub(crate) fn prefer(&self, scheme: &str) {
-        let features = json!([{"name": "prefers-color-scheme", "value": scheme}]);
-        let params = json!({"features": features});
-        self.post("/goog/cdp/execute", &json!({"cmd": "Emulation.setEmulatedMedia", "params": params}));
+        self.prefer_all(&[("prefers-color-scheme", scheme)]);
+    }
+
+    /// Asks for what a person may prefer: features of media queries with their values.
+    pub(crate) fn prefer_all(&self, wishes: &[(&str, &str)]) {
+        let features: Vec<_> =
+            wishes.iter().map(|(name, value)| json!({"name": name, "value": value})).collect();
+        self.devtools("Emulation.setEmulatedMedia", &json!({"features": features}));
+    }
+
+    /// A command of the browser's own protocol.
+    pub(crate) fn devtools(&self, command: &str, params: &Value) -> Value {
+        self.post("/goog/cdp/execute", &json!({"cmd": command, "params": params}))
+    }
+
+    /// Presses a key wherever the focus is.
+    pub(crate) fn key(&self, key: &str) {
+        let actions = json!([{"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]);
+        self.post("/actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": actions}]}));
     }
 
     /// What was written to the console since the last call, with its level.

@@ -1,8 +1,12 @@
 //! The live page in a real browser: it loads and keeps up, moves the plant, shows malfunctions, comes back, asks
 //! nobody else, and nothing in it overlaps.
 
+mod access;
+mod choices;
+mod climate;
 mod driver;
 mod plant;
+mod slowdown;
 
 use std::path::Path;
 use std::thread::sleep;
@@ -216,58 +220,6 @@ fn pictures_of_a_loop_a_station_and_a_climate_light_and_dark_have_nothing_overla
         assert_quiet(&browser);
         drop(plant);
     }
-}
-
-/// Median, and its standard error by the median deviation.
-fn middle(list: &[f64]) -> (f64, f64) {
-    let median = |mut list: Vec<f64>| {
-        list.sort_by(f64::total_cmp);
-        list[list.len() / 2]
-    };
-    let centre = median(list.to_vec());
-    let deviation = median(list.iter().map(|value| (value - centre).abs()).collect());
-    // Of a normal distribution: 1.48 deviations are one σ, and a median is 1.25 times as uncertain as a mean.
-    (centre, 1.48 * 1.25 * deviation / (list.len() as f64).sqrt())
-}
-
-#[test]
-fn an_open_page_does_not_slow_the_plant() {
-    // With real-time rights, as a plant with hardware has them, where this build and this machine give them.
-    let further: &[&str] = if cfg!(feature = "hil") { &["--real-time"] } else { &[] };
-    let plant = Plant::with("station.toml", 0, further);
-    let browser = Browser::start(1440, 1000);
-    // The plant publishes the 99th percentile over windows of two seconds. Page closed and open take turns, so that
-    // whatever else the machine does hits both alike.
-    let windows = |into: &mut Vec<f64>| {
-        // The first window saw the change.
-        sleep(Duration::from_millis(2_100));
-        for _ in 0..2 {
-            sleep(Duration::from_millis(2_020));
-            into.push(plant.frame()["figures"]["p99_us"].as_f64().unwrap());
-        }
-    };
-    let (mut closed, mut open) = (Vec::new(), Vec::new());
-    let mut frames = 0;
-    for _ in 0..6 {
-        browser.open("about:blank");
-        windows(&mut closed);
-        browser.open(&plant.link);
-        windows(&mut open);
-        frames += browser.run(FRAMES).as_u64().unwrap();
-    }
-    assert!(frames > 6 * 60, "the page was live: {frames} frames");
-    let ((before, one), (after, other)) = (middle(&closed), middle(&open));
-    let ratio = after / before;
-    let error = ratio * ((one / before).powi(2) + (other / after).powi(2)).sqrt();
-    println!("closed {closed:.1?}\nopen   {open:.1?}");
-    let percent = |part: f64| part * 100.0;
-    println!(
-        "p99 of a step: {before:.2} µs closed, {after:.2} µs open: {:+.1} % ± {:.1} %",
-        percent(ratio - 1.0),
-        percent(error)
-    );
-    // A machine that does other work besides cannot tell five per cent; then only what is certain fails.
-    assert!(ratio - 2.0 * error < 1.05, "{before} µs closed, {after} µs open");
 }
 
 #[test]

@@ -1,0 +1,1 @@
+//! Does an open page slow the plant?
