@@ -2,8 +2,10 @@
 //! the valve closing to 2 % and staying there; and open, with a supply that makes up for what is drained.
 //!
 //! `cargo run --release -p eclss-tests --example ledger_day -- [HOURS] [STEP_US]`, 24 hours and 1000 µs when absent.
+//! A day of a method takes one to a few minutes of one processor; every line is printed as soon as it is known.
 
 use std::process::ExitCode;
+use std::time::Instant;
 
 use eclss_core::Method;
 use eclss_tests::ledger::{close, closing, supplied};
@@ -23,16 +25,20 @@ fn main() -> ExitCode {
     let mut good = true;
     for method in methods {
         for (name, loaded) in &cases {
+            let begun = Instant::now();
             match close(loaded, method, step_us as u32, until_us) {
                 Ok(closure) => {
                     good &= closure.relative() <= MOST;
                     println!(
-                        "{:15} {name:9} {:8.1e}   drained {:9.4} kg, entered {:9.4} kg, fictitious {:8.1e} kg",
+                        "{:15} {name:9} {:8.1e}   of {:.3} kg, drained {:9.4} kg, entered {:9.4} kg, \
+                         fictitious {:8.1e} kg; {:.0} s",
                         method.name(),
                         closure.relative(),
+                        closure.total_kg,
                         closure.drained_kg,
                         closure.entered_kg,
-                        closure.fictitious_kg
+                        closure.fictitious_kg,
+                        begun.elapsed().as_secs_f64()
                     );
                 }
                 Err(error) => {

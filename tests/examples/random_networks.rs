@@ -1,6 +1,8 @@
 //! Random networks with every method: finite, inside the bound, settling to the independent steady state.
 //!
-//! `cargo run --release -p eclss-tests --example random_networks -- 10000 [FIRST_SEED] [check-valves]`
+//! `cargo run --release -p eclss-tests --example random_networks -- 10000 [FIRST_SEED] [check-valves] [METHOD …]`
+//!
+//! With names of methods only these are run.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -15,9 +17,12 @@ const SHOWN: usize = 20;
 fn main() {
     let argument = |index| std::env::args().nth(index).and_then(|text: String| text.parse().ok());
     let (networks, first) = (argument(1).unwrap_or(1_000), argument(2).unwrap_or(0));
-    let check_valves = std::env::args().any(|word| word == "check-valves");
+    let named = |name: &str| std::env::args().any(|word| word == name);
+    let check_valves = named("check-valves");
+    let any = METHODS.iter().any(|method| named(method.name()));
+    let methods: Vec<Method> = METHODS.into_iter().filter(|method| !any || named(method.name())).collect();
     let next = AtomicU64::new(first);
-    let sums = Mutex::new(METHODS.map(|_| Outcome::default()));
+    let sums = Mutex::new(vec![Outcome::default(); methods.len()]);
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     std::thread::scope(|scope| {
         for _ in 0..threads {
@@ -27,7 +32,8 @@ fn main() {
                     if seed >= first + networks {
                         break;
                     }
-                    let outcomes = METHODS.map(|method| examine(seed, method, check_valves));
+                    let outcomes: Vec<_> =
+                        methods.iter().map(|&method| examine(seed, method, check_valves)).collect();
                     let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
                     for (sum, outcome) in sums.iter_mut().zip(outcomes) {
                         sum.add(outcome);
@@ -37,8 +43,8 @@ fn main() {
         }
     });
     let sums = sums.into_inner().unwrap_or_else(PoisonError::into_inner);
-    for (sum, method) in sums.iter().zip(METHODS) {
-        report(sum, method);
+    for (sum, method) in sums.iter().zip(&methods) {
+        report(sum, *method);
     }
     if sums.iter().any(|sum| !sum.notes.is_empty()) {
         std::process::exit(1);

@@ -165,7 +165,7 @@ fn compare(simulator: &Simulator<'_>, network: &Network<'_>, target: &Steady, st
     let mut settled = Settled { steps, ..Settled::default() };
     for (index, line) in network.lines.iter().enumerate() {
         let (found, exact) = (f64::from(simulator.line_flow_kg_s(index)), target.flow_kg_s[index]);
-        let drive = slowest::Loss::of(network, line, exact).apart_pa(found, exact);
+        let drive = slowest::Losses::of(network, line, exact).apart_pa(found);
         let error = ((found - exact).abs() / largest).min(drive / grid);
         if error > settled.error || error.is_nan() {
             settled = Settled { error, line: index, ..settled };

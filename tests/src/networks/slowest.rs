@@ -21,8 +21,12 @@ pub enum Storage {
 /// Safety factor of the operator.
 const THETA: f64 = 0.8;
 
-/// Loss of a line near rest and at flow: `R·w·max(|w|, w_lin) + L·w`.
-pub(super) struct Loss {
+/// Pressures that count as rest when a line's direction is asked for [Pa]: ten times what a settled one may be off.
+const REST_PA: f64 = 1e-3;
+
+/// Loss of a line near rest and at flow, in one direction: `R·w·max(|w|, w_lin) + L·w`.
+#[derive(Clone, Copy)]
+struct Loss {
     quadratic: f64,
     linear: f64,
     laminar: f64,
@@ -30,22 +34,24 @@ pub(super) struct Loss {
 }
 
 impl Loss {
-    pub(super) fn of(network: &Network<'_>, line: &Line, w: f64) -> Self {
+    fn of(network: &Network<'_>, line: &Line, w: f64, forward: bool) -> Self {
         let mut loss = Self { quadratic: 0.0, linear: 0.0, laminar: 0.0, head: 0.0 };
         for segment in network.segments_of(line) {
             let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
             let at = eclss_core::Operating::plain(inputs, w as f32);
-            let law = if w < 0.0 { segment.element.reverse_law(&at) } else { segment.element.law(&at) };
+            let law = if forward { segment.element.law(&at) } else { segment.element.reverse_law(&at) };
             loss.quadratic += f64::from(law.resistance);
             loss.linear += f64::from(law.linear);
             loss.head += f64::from(law.head);
         }
-        loss.laminar = (f64::from(line.laminar_below_pa) / loss.quadratic).sqrt();
+        // A line of closed check valves alone has nothing but linear leaks.
+        loss.laminar =
+            (f64::from(line.laminar_below_pa) / loss.quadratic.max(f64::MIN_POSITIVE)).sqrt().min(1e6);
         loss
     }
 
-    fn flow(&self, drop_pa: f64) -> f64 {
-        let y = drop_pa + self.head;
+    /// Flow at the driving pressure `y`, head included [kg/s].
+    fn flow(&self, y: f64) -> f64 {
         let laminar = y / (self.quadratic * self.laminar + self.linear);
         if laminar.abs() < self.laminar {
             return laminar;
@@ -53,19 +59,60 @@ impl Loss {
         2.0 * y / (self.linear + (self.linear * self.linear + 4.0 * self.quadratic * y.abs()).sqrt())
     }
 
-    /// Difference between the pressures that drive two flows [Pa].
-    pub(super) fn apart_pa(&self, one: f64, other: f64) -> f64 {
-        let loss = |w: f64| self.quadratic * w * w.abs().max(self.laminar) + self.linear * w;
-        (loss(one) - loss(other)).abs()
+    fn at(&self, w: f64) -> f64 {
+        self.quadratic * w * w.abs().max(self.laminar) + self.linear * w
     }
 
     fn slope(&self, w: f64) -> f64 {
         self.quadratic * if w.abs() > self.laminar { 2.0 * w.abs() } else { self.laminar } + self.linear
     }
+}
 
-    /// w/y, what the operator looks at.
-    fn secant(&self, w: f64) -> f64 {
-        1.0 / (self.quadratic * w.abs().max(self.laminar) + self.linear)
+/// Losses of a line around a flow in both directions, which differ where it has check valves.
+pub(super) struct Losses {
+    forward: Loss,
+    reverse: Loss,
+    /// The flow [kg/s].
+    w: f64,
+}
+
+impl Losses {
+    pub(super) fn of(network: &Network<'_>, line: &Line, w: f64) -> Self {
+        Self { forward: Loss::of(network, line, w, true), reverse: Loss::of(network, line, w, false), w }
+    }
+
+    fn toward(&self, w: f64) -> &Loss {
+        if w < 0.0 { &self.reverse } else { &self.forward }
+    }
+
+    /// Difference between the pressures that drive this flow and another [Pa].
+    pub(super) fn apart_pa(&self, other: f64) -> f64 {
+        (self.toward(self.w).at(self.w) - self.toward(other).at(other)).abs()
+    }
+
+    /// Pressure that drives the flow, its head included [Pa].
+    fn drive_pa(&self) -> f64 {
+        self.toward(self.w).at(self.w)
+    }
+
+    /// Slope of flow over pressure at the flow; the smaller of both directions where it rests [kg/(s·Pa)].
+    fn slope(&self) -> f64 {
+        if self.drive_pa().abs() > REST_PA {
+            return 1.0 / self.toward(self.w).slope(self.w);
+        }
+        (1.0 / self.forward.slope(self.w)).min(1.0 / self.reverse.slope(self.w))
+    }
+
+    /// Slope of the chord from the flow to that at a drive which is larger `by` [Pa].
+    fn chord(&self, by: f64) -> f64 {
+        let y = self.drive_pa() + by;
+        if by.abs() > 0.0 { (self.toward(y).flow(y) - self.w) / by } else { f64::MAX }
+    }
+
+    /// w/y as the operator looks at it: the larger of both directions [kg/(s·Pa)].
+    fn secant(&self) -> f64 {
+        let y = self.drive_pa().abs().max(f64::MIN_POSITIVE);
+        (self.forward.flow(y) / y).max(self.reverse.flow(y) / y)
     }
 }
 
@@ -74,20 +121,18 @@ pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage)
     let away = network.nodes.iter().zip(&target.gauge_pa).filter(|(node, _)| node.kind != NodeKind::Boundary);
     let away = away.map(|(node, gauge)| (f64::from(node.start_gauge_pa) - gauge).abs()).fold(0.0, f64::max);
     let losses: Vec<_> =
-        network.lines.iter().zip(&target.flow_kg_s).map(|(line, &w)| Loss::of(network, line, w)).collect();
+        network.lines.iter().zip(&target.flow_kg_s).map(|(line, &w)| Losses::of(network, line, w)).collect();
     let mut near = Vec::new();
     let mut far = Vec::new();
     let mut secants = vec![0.0; network.nodes.len()];
     let mut columns_s = 0.0f64;
-    for ((line, loss), &w) in network.lines.iter().zip(&losses).zip(&target.flow_kg_s) {
-        let drop = target.gauge_pa[line.from as usize] - target.gauge_pa[line.to as usize];
-        let chord = |by: f64| if by.abs() > 0.0 { (loss.flow(drop + by) - w) / by } else { f64::MAX };
-        near.push(1.0 / loss.slope(w));
-        far.push(chord(2.0 * away).min(chord(-2.0 * away)).min(1.0 / loss.slope(w)));
-        secants[line.from as usize] += loss.secant(w);
-        secants[line.to as usize] += loss.secant(w);
+    for (line, loss) in network.lines.iter().zip(&losses) {
+        near.push(loss.slope());
+        far.push(loss.chord(2.0 * away).min(loss.chord(-2.0 * away)).min(loss.slope()));
+        secants[line.from as usize] += loss.secant();
+        secants[line.to as usize] += loss.secant();
         let inertance: f64 = network.segments_of(line).iter().map(|s| f64::from(s.inertance_per_m)).sum();
-        columns_s = columns_s.max(2.0 * inertance / loss.slope(w));
+        columns_s = columns_s.max(2.0 * inertance * loss.slope());
     }
     let capacities = capacities(network, storage, &secants);
     let nodes = slowest(network, &capacities, &near).max(slowest(network, &capacities, &far));
