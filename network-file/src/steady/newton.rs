@@ -13,7 +13,7 @@ use crate::plan::PlanTables;
 
 /// Most Newton iterations.
 const MOST: u32 = 400;
-/// Most halvings of one step.
+/// Most trials of one step, each half as long as the last.
 const HALVINGS: u32 = 8;
 /// Pressure difference below which nothing is told apart [Pa].
 const SMALLEST_SPAN_PA: f64 = 1e-3;
@@ -80,7 +80,15 @@ pub(super) fn solve<E: Element>(
 
 impl<'n, E: Element> Problem<'n, E> {
     /// Flows and pressures in balance, with all that switches as it stands, and the iterations it took.
+    ///
+    /// Halved steps hardly move where a balance lies far outside all pressures that there are, as behind a closed
+    /// valve of a drained cabin. Whole steps find it, and it is told what they found.
     fn balance(&self) -> Result<(Point, u32), SteadyError> {
+        self.search(HALVINGS).or_else(|error| self.search(1).map_err(|_| error))
+    }
+
+    /// The same with steps that are halved up to `halvings` − 1 times.
+    fn search(&self, halvings: u32) -> Result<(Point, u32), SteadyError> {
         let problem = self;
         let mut point = problem.start();
         let mut iterations = 0;
@@ -89,7 +97,7 @@ impl<'n, E: Element> Problem<'n, E> {
         let mut best = point.clone();
         while iterations < MOST && idle < 3 && best.residual > EXACT {
             iterations += 1;
-            point = problem.improve(&point);
+            point = problem.improve(&point, halvings);
             if point.residual < 0.9 * best.residual {
                 idle = 0;
             } else if best.residual < ENOUGH {
@@ -218,11 +226,11 @@ impl<'n, E: Element> Problem<'n, E> {
     }
 
     /// One damped Newton step.
-    fn improve(&self, point: &Point) -> Point {
+    fn improve(&self, point: &Point, halvings: u32) -> Point {
         let (gauge, flow, rate) = self.newton(point);
         let mut share = 1.0;
         let mut best: Option<Point> = None;
-        for _ in 0..HALVINGS {
+        for _ in 0..halvings {
             let toward = |from: &[f64], to: &[f64]| -> Vec<f64> {
                 from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
             };

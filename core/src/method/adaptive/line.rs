@@ -23,10 +23,21 @@ pub(super) fn plain_flow(difference_pa: f32, &[resistance, head, smallest]: &Lin
 pub(super) fn special_flow(difference_pa: f32, sums: &Sums, smallest_pa: f32) -> (f32, f32) {
     let &[forward, forward_linear, reverse, reverse_linear, head] = sums;
     let y = difference_pa + head;
-    let (quadratic, linear) = if y > 0.0 { (forward, forward_linear) } else { (reverse, reverse_linear) };
-    let drive = math::larger(y.abs(), smallest_pa);
-    let conductance = 2.0 / (linear + math::sqrt(linear * linear + 4.0 * (quadratic * drive)));
+    let law = if y > 0.0 { [forward, forward_linear] } else { [reverse, reverse_linear] };
+    let conductance = secant(y.abs(), law, smallest_pa);
     (y * conductance, conductance)
+}
+
+/// Secant conductance w/y [kg/(s·Pa)] of `R·w·max(|w|, w_lin) + L·w = y`, `w_lin = √(y_lin/R)`, at a drive of this
+/// `size` [Pa]. Its straight part ends at `y_lin + L·√(y_lin/R)`, which is only asked for where there is an L.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "its sums are known to the compiler where the description is")]
+fn secant(size: f32, [quadratic, linear]: [f32; 2], smallest_pa: f32) -> f32 {
+    let mut straight = quadratic * smallest_pa;
+    if linear > 0.0 {
+        straight += linear * math::sqrt(straight);
+    }
+    2.0 / (linear + math::sqrt(linear * linear + 4.0 * math::larger(quadratic * size, straight)))
 }
 
 /// Steps a line that is not special and books it. Returns flow [kg/s], transfer to the outlet node [kg] and
@@ -74,11 +85,9 @@ pub(super) fn step_special(
 #[inline(never)]
 fn widest(difference_pa: f32, sums: &Sums, smallest_pa: f32, chord: f32) -> f32 {
     let &[forward, forward_linear, reverse, reverse_linear, head] = sums;
-    let drive = math::larger((difference_pa + head).abs(), smallest_pa);
-    let of = |quadratic: f32, linear: f32| {
-        2.0 / (linear + math::sqrt(linear * linear + 4.0 * (quadratic * drive)))
-    };
-    chord * math::larger(of(forward, forward_linear), of(reverse, reverse_linear))
+    let size = (difference_pa + head).abs();
+    let of = |law| secant(size, law, smallest_pa);
+    chord * math::larger(of([forward, forward_linear]), of([reverse, reverse_linear]))
 }
 
 /// Index of a special line.
