@@ -4,6 +4,7 @@ mod driver;
 mod picture;
 mod plan;
 mod report;
+mod slowed;
 mod table;
 mod watch;
 
@@ -11,6 +12,7 @@ pub use picture::picture;
 pub use plan::{Plan, Wishes};
 pub use report::{ById, Diverged, End, RunReport, Snapshot, Worst};
 pub(crate) use report::{GUARD, proof};
+pub use slowed::{Slowed, TOLD_BELOW};
 pub use table::write_table;
 pub(crate) use table::{bound, part};
 pub use watch::Breach;
@@ -38,6 +40,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut snapshots = Vec::new();
     let mut guarded_ticks = 0;
     let mut watch = watch::Watch::of(loaded);
+    let mut slowed = slowed::Watch::default();
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
@@ -56,6 +59,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
         }
         driver.step();
         guarded_ticks += u64::from(driver.counters().margin().proof == Proof::ShortStep);
+        slowed.look(&mut driver, plan.settings.method);
         if watch.is_due(driver.counters()) {
             watch.look(driver.simulator());
         }
@@ -64,6 +68,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     progress.finish();
     let mut report = RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks);
     report.breaches = watch.breaches();
+    report.slowed = slowed.found(source);
     Ok((report, trace))
 }
 

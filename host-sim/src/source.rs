@@ -75,6 +75,12 @@ impl Source {
         Self::bytes(bytes, file, name)
     }
 
+    /// A reason behind the file's name, and the line that it is about where that is known.
+    pub(crate) fn at(&self, line: Option<usize>, reason: &str) -> String {
+        let name = &self.name;
+        line.map_or_else(|| format!("{name}: {reason}"), |line| format!("{name}:{line}: {reason}"))
+    }
+
     fn bytes(bytes: &[u8], file: &str, name: String) -> Result<Self, Failure> {
         let loaded = parse_bytes(bytes, file)
             .map_err(|error| Failure::BadInput(explain(&error, &String::from_utf8_lossy(bytes))))?;

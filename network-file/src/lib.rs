@@ -58,6 +58,7 @@ mod record;
 mod rust;
 pub mod steady;
 mod table;
+mod unrest;
 
 use std::fs::File;
 use std::io::Read as _;
@@ -70,12 +71,15 @@ pub use loaded::{ClimateTables, Loaded, Names, RunDefaults};
 pub use plan::PlanTables;
 pub use process::{InputEntry, OutputEntry, ProcessTables, Scales};
 pub use record::{AirFigure, ExchangerFigure, Quantity, Record};
+pub use unrest::{Places, Unrest, unrest};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.
 pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {
     let mut notes = notes::Notes::default();
     let loaded = read::read(text, &mut notes).and_then(|file| lower::lower(file, &mut notes));
-    loaded.ok_or_else(|| FileError::new(name, text, notes.findings))
+    let Some(mut loaded) = loaded else { return Err(FileError::new(name, text, notes.findings)) };
+    loaded.places = Places::new(&loaded, &notes, text);
+    Ok(loaded)
 }
 
 /// Reads and checks the bytes of a network file, as [`parse`] does with text.

@@ -10,6 +10,7 @@ use crate::document::NetworkFile;
 use crate::plan::PlanTables;
 use crate::process::ProcessTables;
 use crate::record::Record;
+use crate::unrest::Places;
 
 /// A network that was read, checked and converted; owns what [`Network`] borrows.
 #[derive(Debug, Clone)]
@@ -18,6 +19,8 @@ pub struct Loaded {
     pub file: NetworkFile,
     /// Ids by the core's indices.
     pub names: Names,
+    /// Where they are named in the file.
+    pub places: Places,
     /// Units of the input slots.
     pub units: Vec<&'static str>,
     /// Smallest and largest value of every input slot, in its unit.

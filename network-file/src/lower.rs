@@ -21,6 +21,7 @@ use crate::process;
 use crate::reason;
 use crate::record::{self, Record};
 use crate::steady;
+use crate::unrest::Places;
 
 /// Converts a document; `None` with findings in the notes.
 pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
@@ -56,6 +57,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
     }
     let mut loaded = Loaded {
         names,
+        places: Places::default(),
         units,
         ranges,
         climate,

@@ -129,6 +129,12 @@ pub(crate) fn floating<E: Element>(network: &Network<'_, E>) -> Option<Vec<u32>>
     }
 }
 
+/// Nodes of every island that no boundary holds.
+pub(crate) fn islands_without_boundary<E: Element>(network: &Network<'_, E>) -> Vec<Vec<u32>> {
+    let closed = Islands::find(network).map(|islands| islands.closed).unwrap_or_default();
+    closed.into_iter().map(|island| island.nodes).collect()
+}
+
 /// Capacity dm/dp of a node [kg/Pa]; 0 for a junction and, as it never matters, for a boundary.
 fn capacity(node: &eclss_core::Node) -> f64 {
     match node.kind {

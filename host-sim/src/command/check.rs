@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use eclss_core::{Method, NodeKind, Proof};
+use eclss_network_file::unrest;
 
 use crate::args::CheckArgs;
 use crate::coupling::{self, Causality, Coupling};
@@ -48,6 +49,15 @@ pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> 
         refusals = coupling.refusals;
     }
     writeln!(out)?;
+    for found in unrest(loaded) {
+        let text = source.at(found.line, &found.reason);
+        // That pressures go on falling or rising may be meant.
+        if found.drifts {
+            writeln!(out, "note: {text}")?;
+        } else {
+            warnings.push(text);
+        }
+    }
     for warning in &warnings {
         writeln!(out, "warning: {warning}")?;
     }

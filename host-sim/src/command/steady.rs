@@ -38,7 +38,7 @@ pub(super) fn run(args: &SteadyArgs, out: &mut dyn Write) -> Result<(), Failure>
     let source = Source::file(&args.network)?;
     let loaded = &source.loaded;
     let found = steady(&loaded.network(), &loaded.inputs)
-        .map_err(|error| Failure::Failed(format!("{}: {}", source.name, error.text(&loaded.names))))?;
+        .map_err(|error| Failure::Failed(source.at(error.place(loaded), &error.text(&loaded.names))))?;
     let report = Report::new(&source, &found);
     if args.json {
         let text = serde_json::to_string_pretty(&report)

@@ -5,7 +5,7 @@ use eclss_core::{Fault, Health, Margin, Place, Proof, Simulator};
 use eclss_network_file::{Loaded, Names, Quantity};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{Breach, Plan};
+use super::{Breach, Plan, Slowed};
 use crate::Source;
 use crate::trace::{Figure, Segments};
 
@@ -49,6 +49,8 @@ pub struct RunReport {
     pub end: End,
     /// Limits of cabin air that were broken where there is a crew.
     pub breaches: Vec<Breach>,
+    /// The node that `adaptive` slowed most, where that bends transients; `null` where it hardly slowed any.
+    pub slowed: Option<Slowed>,
     /// Where and when the run left its range; `null` for a run that may be trusted.
     pub diverged: Option<Diverged>,
 }
@@ -275,6 +277,7 @@ impl RunReport {
                 },
             },
             breaches: Vec::new(),
+            slowed: None,
             diverged: match simulator.health() {
                 Health::Trusted => None,
                 Health::Faulted(fault) => Some(Diverged::new(&source.loaded, fault, plan.settings.step_us)),

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use eclss_network_file::{Loaded, Names};
 
-use super::{ById, GUARD, RunReport, Snapshot};
+use super::{ById, GUARD, RunReport, Snapshot, TOLD_BELOW};
 
 /// Writes the report.
 pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> io::Result<()> {
@@ -18,6 +18,19 @@ pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> 
     let worst = &report.end.worst;
     writeln!(out, "\nworst of all {} steps", report.end.tick)?;
     writeln!(out, "  smallest φ        {}", part(worst.phi_min))?;
+    if let Some(slowed) = &report.slowed {
+        writeln!(
+            out,
+            "  slowed            node `{}`, φ {} at {} s, as if its volume were {:.3} times as large; φ below \
+             {TOLD_BELOW} in {} steps",
+            slowed.node,
+            part(slowed.phi),
+            slowed.t_s,
+            1.0 / slowed.phi,
+            slowed.ticks
+        )?;
+        writeln!(out, "                    its transients are not physics: take an implicit method")?;
+    }
     writeln!(out, "  spectral bound    {}", bound(worst.spectral_bound))?;
     writeln!(out, "  weakest proof     {}", worst.proof)?;
     writeln!(

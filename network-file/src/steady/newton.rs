@@ -13,12 +13,14 @@ use crate::plan::PlanTables;
 
 /// Most Newton iterations.
 const MOST: u32 = 400;
-/// Most trials of one step, each half as long as the last.
+/// Most trials of a step.
 const HALVINGS: u32 = 8;
 /// Pressure difference below which nothing is told apart [Pa].
 const SMALLEST_SPAN_PA: f64 = 1e-3;
 /// Residual at which there is nothing left to gain.
 const EXACT: f64 = 1e-15;
+/// Residual above which another search is worth its time.
+const FINE: f64 = 1e-9;
 /// Largest residual of an answer: a law that follows its flow is known in single precision only.
 const ENOUGH: f64 = 1e-6;
 
@@ -82,22 +84,38 @@ impl<'n, E: Element> Problem<'n, E> {
     /// Flows and pressures in balance, with all that switches as it stands, and the iterations it took.
     ///
     /// Halved steps hardly move where a balance lies far outside all pressures that there are, as behind a closed
-    /// valve of a drained cabin. Whole steps find it, and it is told what they found.
+    /// valve of a drained cabin, and stop short of the kink of a check valve at rest. Whole steps find both, but not
+    /// from everywhere.
     fn balance(&self) -> Result<(Point, u32), SteadyError> {
-        self.search(HALVINGS).or_else(|error| self.search(1).map_err(|_| error))
+        let (mut best, mut iterations) = self.search(self.start(), HALVINGS);
+        for from_start in [false, true] {
+            // NaN is not good either.
+            let good = if from_start { best.residual <= ENOUGH } else { best.residual <= FINE };
+            if !good {
+                let (point, more) = self.search(if from_start { self.start() } else { best.clone() }, 1);
+                iterations += more;
+                if point.residual < best.residual || best.residual.is_nan() {
+                    best = point;
+                }
+            }
+        }
+        if best.residual > ENOUGH || best.residual.is_nan() {
+            let (line, imbalance_pa) = self.worst_line(&best);
+            return Err(SteadyError::NotFound { line, imbalance_pa });
+        }
+        Ok((best, iterations))
     }
 
-    /// The same with steps that are halved up to `halvings` − 1 times.
-    fn search(&self, halvings: u32) -> Result<(Point, u32), SteadyError> {
-        let problem = self;
-        let mut point = problem.start();
+    /// The best point on the way from `point`, and the iterations it took; every step is tried `trials` times, each
+    /// half as long as the last.
+    fn search(&self, mut point: Point, trials: u32) -> (Point, u32) {
         let mut iterations = 0;
         // Rounding makes the residual jitter near the answer: three steps that gain nothing end the search.
         let mut idle = 0;
         let mut best = point.clone();
         while iterations < MOST && idle < 3 && best.residual > EXACT {
             iterations += 1;
-            point = problem.improve(&point, halvings);
+            point = self.improve(&point, trials);
             if point.residual < 0.9 * best.residual {
                 idle = 0;
             } else if best.residual < ENOUGH {
@@ -107,11 +125,7 @@ impl<'n, E: Element> Problem<'n, E> {
                 best = point.clone();
             }
         }
-        if best.residual > ENOUGH || best.residual.is_nan() {
-            let (line, imbalance_pa) = problem.worst_line(&best);
-            return Err(SteadyError::NotFound { line, imbalance_pa });
-        }
-        Ok((best, iterations))
+        (best, iterations)
     }
 
     fn circumstances<'c>(&'c self, entry: &'c Responsive, line: &Line, gauge: &[f64]) -> Circumstances<'c> {
@@ -226,11 +240,11 @@ impl<'n, E: Element> Problem<'n, E> {
     }
 
     /// One damped Newton step.
-    fn improve(&self, point: &Point, halvings: u32) -> Point {
+    fn improve(&self, point: &Point, trials: u32) -> Point {
         let (gauge, flow, rate) = self.newton(point);
         let mut share = 1.0;
         let mut best: Option<Point> = None;
-        for _ in 0..halvings {
+        for _ in 0..trials {
             let toward = |from: &[f64], to: &[f64]| -> Vec<f64> {
                 from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect()
             };

@@ -389,6 +389,28 @@ fn a_check_valve_at_rest_passes_or_leaks() {
 }
 
 #[test]
+fn a_check_valve_beside_a_closed_valve_does_not_end_the_search_at_its_kink() {
+    let check = |resistance_pa_s2_kg2: f32, reverse_pa_s_kg: f32| {
+        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2, reverse_pa_s_kg })
+    };
+    let mut tables = Tables::default();
+    let (high, cabin) = (tables.node(NodeKind::Boundary, 240.298_52), tables.node(CABIN, -48.0));
+    let low = tables.node(NodeKind::Boundary, -152.410_31);
+    tables.line(cabin, high, &[check(551_185.2, 3.516_095e7), pipe(551_185.2)]);
+    tables.line(cabin, low, &[pipe(573_800.0)]);
+    tables.line(low, cabin, &[check(943.66, 1.833_646e7), pipe(1_887.32)]);
+    for (line, limit) in tables.lines.iter_mut().zip([0.024f32, 1.5e-3, 0.02]) {
+        line.laminar_below_pa = limit;
+    }
+    let found = tables.steady().unwrap();
+    let [leak, open, shut] = found.flow_kg_s[..] else { panic!("three lines") };
+    // The cabin stands just above the low side: what leaks in goes out through the open line.
+    let above = found.gauge_pa[1] + 152.410_31f64;
+    assert!((1e-4..1e-3).contains(&above) && shut < 0.0 && shut.abs() < 1e-10, "{above} {found:?}");
+    assert!((leak + open - shut).abs() < 1e-9 * open, "{found:?}");
+}
+
+#[test]
 fn a_regulator_rests_in_its_band() {
     let regulator = PressureRegulator {
         effective_area_m2: 1e-6,

@@ -123,3 +123,27 @@ pub(super) fn add(sums: &mut Sums, law: &Law, ratio: f32) {
     *reverse_linear += law.linear;
     *head += law.head;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_flow_obeys_the_regularised_law_with_and_without_a_linear_part() {
+        for linear in [0.0f32, 3.0, 700.0, 4e6] {
+            for (quadratic, limit) in [(500.0f32, 0.3f32), (1e6, 1e-3), (0.0, 0.1), (2e4, 0.0)] {
+                if quadratic + linear <= 0.0 {
+                    continue;
+                }
+                for drive in [1e-4f32, 0.02, 0.3, 5.0, 900.0, -0.02, -40.0] {
+                    let (w, _) = special_flow(drive, &[quadratic, linear, quadratic, linear, 0.0], limit);
+                    let [w, q, l] = [w, quadratic, linear].map(f64::from);
+                    let laminar = (f64::from(limit) / q.max(f64::MIN_POSITIVE)).sqrt();
+                    let loss = q * w * w.abs().max(laminar) + l * w;
+                    let drive = f64::from(drive);
+                    assert!((loss / drive - 1.0).abs() < 1e-6, "R {q}, L {l}, {drive} Pa: {loss}");
+                }
+            }
+        }
+    }
+}
