@@ -11,7 +11,13 @@
 //!
 //! - `implicit-euler`: τ = h, β = 0, one solve. First order.
 //! - `tr-bdf2`: τ = (1 − 1/√2)·h in both stages; a trapezoidal stage to γ = 2 − √2, then BDF2 with
-//!   β = `1.2071·δ_γ`; two solves a stage. Second order, L-stable (Bank et al. 1985).
+//!   β = `1.2071·δ_γ`; two solves a stage. Second order, L-stable (Bank et al. 1985). The trapezoidal stage has its
+//!   one-leg form, the midpoint rule: f is taken once at the middle, `M·δ_m = τ·f(x + δ_m)`, and `δ_γ = 2·δ_m`. For
+//!   linear f that is the same; but f at the step's start, which may ask a closing valve for any pressure, stays out.
+//!
+//! Every solve is for a *correction* of the iterate, whose own imbalance is its right side. So what a solve rounds off
+//! is a part of the correction, not of pressures, and the next one sees it as imbalance: volumes so small that a
+//! rounding of their pressure drives more flow than a rounding of the flow takes are no less at rest than others.
 //!
 //! Masses move by mean flows over the step, each rounded once, never by the solved pressures.
 
@@ -35,12 +41,12 @@ pub(crate) use self::layout::sizes;
 
 /// (1 − 1/√2): stage length of TR-BDF2 over the step, and weight of the last stage in the mean flow.
 const TAU: f32 = 0.292_893_23;
-/// 2 − √2: the inner stage of TR-BDF2 as part of the step.
-pub(crate) const INNER_STAGE: f32 = 0.585_786_44;
-/// (√2 + 1)/2: part of the first stage's increment that starts the second.
-const CARRY_OVER: f32 = 1.207_106_8;
-/// √2/4: weight of the first stage's increment in the mean flow.
-const MEAN: f32 = 0.353_553_4;
+/// The middle of the inner stage of TR-BDF2 as part of the step, where that stage looks at inputs.
+pub(crate) const INNER_STAGE: f32 = TAU;
+/// √2 + 1: part of the increment to the inner stage's middle that starts the second stage.
+const CARRY_OVER: f32 = 2.414_213_6;
+/// 1/√2: weight of the increment to the inner stage's middle in the mean flow.
+const MEAN: f32 = 0.707_106_77;
 
 /// Largest pressure difference that a segment is expected to see [Pa]: where it would drive the flow against
 /// friction rather than against inertance within one stage, the slope is guarded.
@@ -163,7 +169,7 @@ pub(crate) fn start<E: Element>(
     respond::advance(network, f32::INFINITY, inputs, state.flow, state.memory, &work);
 }
 
-/// Inputs at the step's start, at the inner stage and at the step's end.
+/// Inputs at the step's start, at the middle of the inner stage and at the step's end.
 #[derive(Clone, Copy)]
 pub(crate) struct StageInputs<'i> {
     pub(crate) start: &'i [f32],
@@ -212,36 +218,32 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             }
         };
     }
-    let weights = if method == Method::TrBdf2 {
-        law::update::<E, UNROLL, false>(network, model.tau, inputs.start, state.flow, work);
-        respond!(inputs.start, At::Start);
-        model.rates(columns!(work, state.flow), [work.head, work.drop], work.momentum);
-        law::update::<E, UNROLL, false>(network, model.tau, inputs.middle, state.flow, work);
-        respond!(inputs.middle, At::Start);
-        known_at_start::<E, UNROLL>(network, state.flow, work);
-        segment::push(work.head, work.momentum);
-        solve::<E, UNROLL, true, true>(model, state.flow, work);
-        respond!(inputs.middle, At::Iterate);
+    let two_stages = method == Method::TrBdf2;
+    let first = if two_stages { inputs.middle } else { inputs.end };
+    law::update::<E, UNROLL, false>(network, model.tau, first, state.flow, work);
+    respond!(first, At::Start);
+    work.known.fill(0.0);
+    line::forget(network, work);
+    segment::push::<true>(work.head, work.pushed);
+    solve::<E, UNROLL, true, true>(model, state.flow, work);
+    if two_stages {
+        respond!(first, At::Iterate);
         solve::<E, UNROLL, false, true>(model, state.flow, work);
-        if responds {
-            respond::solve_more::<E, UNROLL, true>(model, inputs.middle, state.flow, state.memory, work);
-        }
-
-        segment::carry_over(
-            [work.inertia, work.drop, work.differ, work.q],
-            work.ports,
-            work.momentum,
-            work.first,
-        );
-        for ((known, capacity), delta) in
-            work.known.iter_mut().zip(work.capacity.iter()).zip(work.delta.iter())
+    }
+    if responds {
+        respond::solve_more::<E, UNROLL, true>(model, first, state.flow, state.memory, work);
+    }
+    let weights = if two_stages {
+        segment::carry_over([work.inertia, work.differ, work.q], work.ports, work.pushed, work.first);
+        for (known, (capacity, delta)) in
+            work.known.iter_mut().zip(work.capacity.iter().zip(work.delta.iter()))
         {
-            *known = CARRY_OVER * capacity * delta;
+            *known = (CARRY_OVER - 1.0) * capacity * delta;
         }
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::NextStage);
-        segment::push(work.head, work.momentum);
+        segment::push::<false>(work.head, work.pushed);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
         respond!(inputs.end, At::Iterate);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
@@ -250,61 +252,33 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         }
         [MEAN, TAU]
     } else {
-        work.known.fill(0.0);
-        law::update::<E, UNROLL, false>(network, model.tau, inputs.end, state.flow, work);
-        respond!(inputs.end, At::Start);
-        for (momentum, drop) in work.momentum.iter_mut().zip(work.drop.iter()) {
-            *momentum = *drop;
-        }
-        segment::push(work.head, work.momentum);
-        solve::<E, UNROLL, true, false>(model, state.flow, work);
-        if responds {
-            respond::solve_more::<E, UNROLL, false>(model, inputs.end, state.flow, state.memory, work);
-        }
         [0.0, 1.0]
     };
     let place = commit::<E, UNROLL>(network, h, weights, state, work);
     (Margin::by_construction(1.0), place)
 }
 
-/// Known parts of the node balances in the trapezoidal stage. The flows of the step's start are counted with those
-/// of the stage; where nothing is stored they are taken off again.
+/// One Newton iteration: all segments are linearised around the iterate, the lines' interiors eliminated, the nodes
+/// solved, the lines filled in, and all of it added to the iterate. The `START` of a step is from rest; drains act by the
+/// direction of the flow at the start of the stage, which for the `FIRST` is the step's.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn known_at_start<E: Element, const UNROLL: bool>(
-    network: &Network<'_, E>,
-    flow: &[f32],
-    work: &mut Work<'_>,
-) {
-    line::forget(network, work);
-    work.known.fill(0.0);
-    if !UNROLL && work.junctions.first().is_none_or(|some| *some <= 0.0) {
-        return;
-    }
-    for ((index, node), known) in (0u32..).zip(network.nodes).zip(work.known.iter_mut()) {
-        if node.kind == NodeKind::Junction {
-            for &[end, ..] in network.plan.terms_of(index) {
-                *known -= matrix::inward(line::port_flow(network, end, flow), end);
-            }
-        }
-    }
-}
-
-/// One Newton iteration: all segments are linearised, the lines' interiors eliminated, the nodes solved, the lines
-/// filled in. The first of a step starts from rest; those of a trapezoidal stage count the step's first flow too.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn solve<E: Element, const UNROLL: bool, const START: bool, const CARRY: bool>(
+fn solve<E: Element, const UNROLL: bool, const START: bool, const FIRST: bool>(
     model: &Model<'_, '_, E, UNROLL>,
     flow: &[f32],
     work: &mut Work<'_>,
 ) {
     let (network, columns) = (model.network, columns!(work, flow));
-    model.linearise::<START, CARRY>(columns, [work.differ, work.momentum], work.q, work.ports);
-    line::sweep::<E, CARRY>(network, flow, work);
+    model.linearise::<START>(columns, [work.differ, work.pushed], work.drop, work.q, work.ports);
+    line::sweep::<E, FIRST>(network, flow, work);
     matrix::solve::<E, UNROLL>(network, work);
-    line::substitute(network, work);
-    segment::differences(network, work.delta, work.differ);
+    line::substitute::<E, START>(network, work);
+    let nodes = work.known.iter_mut().zip(work.capacity.iter());
+    for ((known, capacity), (delta, change)) in nodes.zip(work.delta.iter_mut().zip(work.change.iter())) {
+        *delta = if START { *change } else { *delta + change };
+        *known -= capacity * change;
+    }
+    segment::differences(network, work.change, work.differ);
 }
 
 /// Moves masses by the mean flows of the step and takes the last stage's increments over.

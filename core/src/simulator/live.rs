@@ -201,7 +201,7 @@ mod tests {
             simulator.set_live(&valve, 0.5, -200.0).unwrap();
             let stages: std::vec::Vec<f32> =
                 simulator.inputs.iter().copied().skip(VALVE).step_by(2).collect();
-            for (stage, exact) in stages.iter().zip([0.5, 0.5 - 0.2 * 0.585_786_4, 0.3]) {
+            for (stage, exact) in stages.iter().zip([0.5, 0.5 - 0.2 * 0.292_893_2, 0.3]) {
                 assert!((stage - exact).abs() < 1e-6, "{stages:?}");
             }
             simulator.set_live(&valve, 0.1, -200.0).unwrap();

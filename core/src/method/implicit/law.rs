@@ -107,14 +107,7 @@ pub(crate) fn join<E: Element, const MOVED: bool>(
             continue;
         }
         if first < last {
-            sum(
-                network,
-                tau,
-                inputs,
-                at(flow, last as u32) + at(work.first, last as u32),
-                first..=last,
-                work,
-            );
+            sum(network, tau, inputs, present::<MOVED>(last, flow, work), first..=last, work);
         }
         first = last + 1;
     }

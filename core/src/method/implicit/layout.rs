@@ -8,7 +8,7 @@ use super::super::common::{Common, Cut};
 use crate::element::Element;
 use crate::{Network, Plan};
 
-/// Figures of the volume behind a segment: C/τ [kg/(s·Pa)]; dp/dm [Pa/kg]; known part of its balance [kg/s]; α [Pa],
+/// Figures of the volume behind a segment: C/τ [kg/(s·Pa)]; dp/dm [Pa/kg]; known part of its balance less what its increment holds [kg/s]; α [Pa],
 /// γ and κ [1] of the last sweep.
 pub(crate) type Joint = [f32; 6];
 
@@ -25,7 +25,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
     let of_segments = (11 + 3 + 6) * segments;
     (
         Common::length(network) + 2 * nodes + 4 * segments + network.memory_slots(),
-        2 * (nodes + segments)
+        3 * (nodes + segments)
             + 4 * nodes
             + 2 * (nodes + 1)
             + of_segments
@@ -84,11 +84,13 @@ pub(crate) struct Work<'w> {
     pub(crate) pressure: &'w mut [f32],
     /// Its increment since the step's start [Pa].
     pub(crate) delta: &'w mut [f32],
+    /// What the last solve added to it [Pa].
+    pub(crate) change: &'w mut [f32],
     /// C/τ of every node [kg/(s·Pa)].
     pub(crate) capacity: &'w mut [f32],
     /// The same with what lines with volumes of their own hold at the node.
     pub(crate) excess: &'w mut [f32],
-    /// Known part of every node's balance [kg/s].
+    /// Known part of every node's balance less what its increment holds [kg/s].
     pub(crate) known: &'w mut [f32],
     /// dp/dm of every node [Pa/kg].
     pub(crate) per_mass: &'w mut [f32],
@@ -103,11 +105,11 @@ pub(crate) struct Work<'w> {
     pub(crate) head: &'w mut [f32],
     pub(crate) laminar: &'w mut [f32],
     pub(crate) guarded: &'w mut [f32],
-    /// Pressure difference at the step's start, known part of the momentum, difference of increments [Pa].
+    /// Pressure difference at the iterate before, what else pushes the flow, difference of the last changes [Pa].
     pub(crate) drop: &'w mut [f32],
-    pub(crate) momentum: &'w mut [f32],
+    pub(crate) pushed: &'w mut [f32],
     pub(crate) differ: &'w mut [f32],
-    /// q of δw = q + b·(δp − δp), and the increment at the stage's start [kg/s].
+    /// q of δw = q + b·(c − c), and the increment of the step's first stage [kg/s].
     pub(crate) q: &'w mut [f32],
     pub(crate) first: &'w mut [f32],
     /// R, L and head of every segment by itself.
@@ -138,6 +140,7 @@ impl<'w> Work<'w> {
         Self {
             pressure: cut.take(nodes + segments),
             delta: cut.take(nodes + segments),
+            change: cut.take(nodes + segments),
             capacity: cut.take(nodes),
             excess: cut.take(nodes),
             known: cut.take(nodes),
@@ -150,7 +153,7 @@ impl<'w> Work<'w> {
             laminar: cut.take(segments),
             guarded: cut.take(segments),
             drop: cut.take(segments),
-            momentum: cut.take(segments),
+            pushed: cut.take(segments),
             differ: cut.take(segments),
             q: cut.take(segments),
             first: cut.take(segments),

@@ -1,14 +1,15 @@
 //! One line of several segments: its interior unknowns are eliminated before the nodes' are.
 //!
-//! Unknowns are increments since the step's start. For reach i between pressures i−1 and i, and the volume j behind it,
+//! Unknowns are the corrections c of the pressures, added to their increments δp since the step's start. For reach i
+//! between pressures i−1 and i, and the volume j behind it,
 //!
 //! ```text
-//! δw_i = q_i + b_i·(δp_{i−1} − δp_i)
-//! (C_j/τ)·δp_j = B_j + (w_j + δw_j) − U_j·(w_{j+1} + δw_{j+1})
+//! δw_i = q_i + b_i·(c_{i−1} − c_i)
+//! (C_j/τ)·c_j = B_j − (C_j/τ)·δp_j + (w_j + δw_j) − U_j·(w_{j+1} + δw_{j+1})
 //! ```
 //!
 //! The second, with the first put in, is tridiagonal. One sweep from inlet to outlet writes
-//! `δp_j = α_j + γ_j·δp_{j+1} + κ_j·δp_from` with every coefficient a sum of positive terms, so that nothing
+//! `c_j = α_j + γ_j·c_{j+1} + κ_j·c_from` with every coefficient a sum of positive terms, so that nothing
 //! cancels, however nearly closed a valve is. What is left of the line are two ports: flows that depend linearly on
 //! the pressures of its two nodes.
 
@@ -24,13 +25,6 @@ struct Admittance {
     outlet: Port,
     inlet_held: f32,
     outlet_held: f32,
-}
-
-/// Ratio of the flow ahead of a drain to the flow behind it, which takes nothing from reversed flow.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of the loop over segments")]
-fn ahead_of_drain(removal: f32, flow: f32) -> f32 {
-    if removal > 0.0 && flow > 0.0 { 1.0 + removal } else { 1.0 }
 }
 
 /// Eliminates the interior of all lines of several segments, and writes their ports. A drain acts by the direction of
@@ -77,7 +71,7 @@ fn eliminate<E: Element, const FIRST: bool>(
 ) -> Admittance {
     // Upstream of the present reach: b and flow there; capacity and known part of the volume between.
     let ([mut b_before, mut f_before], [mut capacity, mut known]): (Port, [f32; 2]) = ([0.0; 2], [0.0; 2]);
-    // α, κ and ζ = 1 − κ − γ of the volume before; P, Q and Z of δp_0 = P + (1 − Q − Z)·δp_from + Q·δp_j.
+    // α, κ and ζ = 1 − κ − γ of the volume before; P, Q and Z of c_0 = P + (1 − Q − Z)·c_from + Q·c_j.
     let (mut alpha, mut kappa, mut zeta) = (0.0, 1.0, 0.0);
     let (mut start, mut through, mut held) = (0.0, 1.0, 0.0);
     let mut inlet: Option<(f32, Port)> = None;
@@ -133,31 +127,35 @@ fn eliminate<E: Element, const FIRST: bool>(
     }
 }
 
-/// Sets the increments of the interior pressures from the nodes', from outlet to inlet.
+/// Corrects the interior pressures after the nodes', from outlet to inlet. Behind the `START` of a step they had no
+/// increments.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn substitute<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
+pub(crate) fn substitute<E: Element, const START: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let nodes = network.nodes.len();
     for &index in network.plan.composite {
         let Some(line) = network.lines.get(index as usize) else { continue };
-        let (from, mut behind) = (at(work.delta, line.from), at(work.delta, line.to));
+        let (from, mut behind) = (at(work.change, line.from), at(work.change, line.to));
         // The last segment's volume is its node.
         for joint in range(line).rev().skip(1) {
             if continues(&network.plan, joint) {
                 continue;
             }
-            if let (Some([_, _, _, alpha, gamma, kappa]), Some(delta)) =
-                (work.joints.get(joint), work.delta.get_mut(nodes + joint))
-            {
-                behind = alpha + *gamma * behind + *kappa * from;
-                *delta = behind;
+            if let (Some([capacity, _, known, alpha, gamma, kappa]), Some(delta), Some(change)) = (
+                work.joints.get_mut(joint),
+                work.delta.get_mut(nodes + joint),
+                work.change.get_mut(nodes + joint),
+            ) {
+                behind = *alpha + *gamma * behind + *kappa * from;
+                *change = behind;
+                *delta = if START { behind } else { *delta + behind };
+                *known -= *capacity * behind;
             }
         }
     }
 }
 
-/// Known parts of the interior balances in the trapezoidal stage: none, as the flows of the step's start are counted
-/// with those of the stage.
+/// Known parts of the interior balances at the step's start: none.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn forget<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
@@ -168,7 +166,8 @@ pub(crate) fn forget<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
     }
 }
 
-/// Known parts of the interior balances in the BDF2 stage: a share of the first stage's increments.
+/// Known parts of the interior balances in the BDF2 stage, which starts where the first stage ended: a share of the
+/// first stage's increments, less what they hold.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn carry_over<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
@@ -178,39 +177,9 @@ pub(crate) fn carry_over<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
         for ([capacity, _, known, ..], delta) in
             joints.iter_mut().zip(increments.get(range(line)).unwrap_or(&[]))
         {
-            *known = super::CARRY_OVER * *capacity * delta;
+            *known = (super::CARRY_OVER - 1.0) * *capacity * delta;
         }
     }
-}
-
-/// Flow at a port at the step's start [kg/s]; `end` is twice the port, plus one at an outlet.
-#[cold]
-pub(crate) fn port_flow<E: Element>(network: &Network<'_, E>, end: u32, flow: &[f32]) -> f32 {
-    let Some(place) = (end as usize / 2).checked_sub(network.segments.len()) else {
-        return at(flow, end / 2);
-    };
-    let line = network.plan.composite.get(place / 2).and_then(|&line| network.lines.get(line as usize));
-    let [inlet, outlet] = line.map_or([0.0; 2], |line| flows(network, line, flow));
-    if end.is_multiple_of(2) { inlet } else { outlet }
-}
-
-/// Flows at a line's inlet and outlet at the step's start [kg/s].
-fn flows<E: Element>(network: &Network<'_, E>, line: &Line, flow: &[f32]) -> [f32; 2] {
-    let mut ends: Option<(f32, f32)> = None;
-    let (mut ratio, mut removal) = (1.0, 0.0);
-    for index in range(line) {
-        removal = network.segments.get(index).map_or(0.0, |segment| segment.element.removal());
-        if continues(&network.plan, index) {
-            ratio *= 1.0 + removal;
-            continue;
-        }
-        let w = at(flow, index as u32);
-        let inlet = ends.map_or(if w > 0.0 { ratio * w } else { w }, |(inlet, _)| inlet);
-        ends = Some((inlet, w));
-        ratio = 1.0;
-    }
-    let (inlet, outlet) = ends.unwrap_or((0.0, 0.0));
-    [inlet, outlet / ahead_of_drain(removal, outlet)]
 }
 
 /// Moves masses through the lines of several segments by the mean flows of the step; writes their ports and books what
@@ -301,5 +270,5 @@ fn forward_mean(index: usize, weights: [f32; 2], flow: &[f32], work: &Work<'_>) 
     let index = index as u32;
     let (w, first, dw) = (at(flow, index), at(work.first, index), at(work.q, index));
     let forward = |flow: f32| if flow > 0.0 { flow } else { 0.0 };
-    weights[0] * (forward(w) + forward(w + first)) + weights[1] * forward(w + dw)
+    weights[0] * forward(w + first) + weights[1] * forward(w + dw)
 }

@@ -3,7 +3,7 @@
 //! Every row is the balance of a node: what it holds, e, and what it exchanges, a ≥ 0, with others,
 //!
 //! ```text
-//! (e + Σa)·δp − Σ a·δp_other = r
+//! (e + Σa)·c − Σ a·c_other = r
 //! ```
 //!
 //! Eliminating a neighbour k of share `z_k = e_k/d_k` and increment `y_k` adds `a·z_k` to e, `a·y_k` to r and a·u to the
@@ -23,7 +23,7 @@ pub(crate) fn inward(value: f32, end: u32) -> f32 {
     f32::from_bits(value.to_bits() ^ ((!end & 1) << 31))
 }
 
-/// Factorises and solves: afterwards `delta` holds the increments of all nodes.
+/// Factorises and solves: afterwards `change` holds the corrections of all nodes.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
@@ -159,18 +159,18 @@ fn back(plan: &Plan<'_>, work: &mut Work<'_>) {
         let mut sum = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         for (&column, share) in plan.columns.get(upper).unwrap_or(&[]).iter().zip(shares) {
             let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
-            sum += share * at(work.delta, later);
+            sum += share * at(work.change, later);
         }
-        if let Some(delta) = work.delta.get_mut(node as usize) {
-            *delta = sum;
+        if let Some(change) = work.change.get_mut(node as usize) {
+            *change = sum;
         }
     }
     let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
     for ((&node, &[_, later]), share) in rows.rev() {
         let increment = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
-        let value = increment + share * at(work.delta, later);
-        if let Some(delta) = work.delta.get_mut(node as usize) {
-            *delta = value;
+        let value = increment + share * at(work.change, later);
+        if let Some(change) = work.change.get_mut(node as usize) {
+            *change = value;
         }
     }
 }

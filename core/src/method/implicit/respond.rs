@@ -129,7 +129,7 @@ pub(super) fn state_laws<E: Element>(
 
 /// Solves a stage again with laws stated where the last solve went to.
 #[inline(never)]
-pub(super) fn solve_more<E: Element, const UNROLL: bool, const CARRY: bool>(
+pub(super) fn solve_more<E: Element, const UNROLL: bool, const FIRST: bool>(
     model: &Model<'_, '_, E, UNROLL>,
     inputs: &[f32],
     flow: &[f32],
@@ -138,7 +138,7 @@ pub(super) fn solve_more<E: Element, const UNROLL: bool, const CARRY: bool>(
 ) {
     for _ in 0..MORE {
         state_laws(model.network, model.tau, inputs, Place::Closing, flow, memory, work);
-        solve::<E, UNROLL, false, CARRY>(model, flow, work);
+        solve::<E, UNROLL, false, FIRST>(model, flow, work);
     }
 }
 

@@ -1,8 +1,10 @@
 //! One pass over all segments: linearisation of their momentum around the present iterate.
 //!
 //! ```text
-//! δw = q + b·(δp_before − δp_behind)      b = 1/(I/τ + slope)
+//! δw = q + b·(c_before − c_behind)      b = 1/(I/τ + slope)      q = δw + b·(what is out of balance)
 //! ```
+//!
+//! with the corrections c of the pressures, and δw on the right that of the iterate.
 //!
 //! Every pass walks plain columns of figures from one end to the other, so that a host takes several at once.
 
@@ -66,18 +68,17 @@ impl Momentum {
         if self.laminar > 0.0 { math::larger(size, laminar) } else { size }
     }
 
-    /// b and q around the increment `dw` of flow `w` when `pushed` [Pa] and pressure increments that differ by
-    /// `differ` [Pa] act.
+    /// b and q around the increment `dw` of flow `w` where `acts` [Pa], pressures and what else pushes.
     ///
     /// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the
     /// slope is taken at the larger of the present flow and of the flow that the present pressures would drive.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over segments")]
-    fn linearise(self, w: f32, dw: f32, pushed: f32, differ: f32) -> (f32, f32) {
+    fn linearise(self, w: f32, dw: f32, acts: f32) -> (f32, f32) {
         let present = w + dw;
         let mut size = self.at_least(present.abs(), 0.5 * self.laminar);
         if self.guarded {
-            let total = (pushed + differ + self.inertia * w).abs();
+            let total = (acts + self.inertia * w).abs();
             let resisting = if self.known.quadratic { self.inertia } else { self.inertia + self.linear };
             let root = math::sqrt(resisting * resisting + 4.0 * self.quadratic * total);
             // Nothing drives and nothing resists: 0/0, for which the present flow stands.
@@ -86,13 +87,12 @@ impl Momentum {
         let slope = 2.0 * self.quadratic * size;
         let slope = if self.known.quadratic { slope } else { slope + self.linear };
         let b = 1.0 / (self.inertia + slope);
-        (b, b * ((pushed - self.loss(present)) + slope * dw))
+        (b, dw + b * ((acts - self.inertia * dw) - self.loss(present)))
     }
 }
 
 /// What a step that is specialised knows of every segment.
 #[derive(Clone, Copy)]
-#[allow(clippy::struct_excessive_bools, reason = "four facts that have nothing to do with each other")]
 struct Known {
     /// The law has no linear part.
     quadratic: bool,
@@ -100,12 +100,10 @@ struct Known {
     turbulent: bool,
     /// The slope needs no guard.
     free: bool,
-    /// It has inertance.
-    inert: bool,
 }
 
 /// Nothing is known.
-const UNKNOWN: Known = Known { quadratic: false, turbulent: false, free: false, inert: false };
+const UNKNOWN: Known = Known { quadratic: false, turbulent: false, free: false };
 
 /// Whether the slope of a reach needs its guard: its law changes, and may become as stiff as it likes within one
 /// step, or the expected pressure would drive its flow against friction rather than against inertance.
@@ -129,7 +127,7 @@ fn known<E: Element, const UNROLL: bool>(network: &Network<'_, E>, tau: f32, ind
     let resistance = if active { 0.0 } else { law::of(segment, &[], 0.0).resistance };
     let free = !needs_guard(active, segment.inertance_per_m / tau, resistance);
     let quadratic = !active || !segment.element.may_be_linear();
-    Known { quadratic, turbulent, free, inert: segment.inertance_per_m > 0.0 }
+    Known { quadratic, turbulent, free }
 }
 
 impl Known {
@@ -195,96 +193,86 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
         known::<E, UNROLL>(self.network, self.tau, index).momentum(figures)
     }
 
-    /// Known parts of the trapezoidal stage's momentum without head: the pressure difference `drop` of the step's
-    /// start and the rate of change there. Where nothing is inert there is no rate.
+    /// Linearises around the increments that the last solution gave, or around rest at the step's `START`. `drop` goes
+    /// along with the iterate, whose last change makes `differ`.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn rates(&self, columns: Columns<'_>, [head, drop]: [&[f32]; 2], momentum: &mut [f32]) {
-        let rows = columns.rows().zip(head.iter().zip(drop)).zip(momentum).enumerate();
-        every!(UNROLL, rows, (index, (((figures, w), (head, drop)), momentum)) => {
-            let law = self.momentum(index, figures);
-            let rate = (drop + head) - law.loss(w);
-            let inert = law.known.inert || law.inertia > 0.0;
-            *momentum = drop + if inert { rate } else { 0.0 };
-        });
-    }
-
-    /// Linearises around the increments that the last solution gave, or around rest at the step's `start`. `carry`
-    /// tells whether the step's first flow is counted on top, as it is in a trapezoidal stage.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    pub(crate) fn linearise<const START: bool, const CARRY: bool>(
+    pub(crate) fn linearise<const START: bool>(
         &self,
         columns: Columns<'_>,
-        [differ, momentum]: [&[f32]; 2],
+        known: [&[f32]; 2],
+        drop: &mut [f32],
         q: &mut [f32],
         ports: &mut [Port],
     ) {
         if UNROLL {
-            self.linearise_all::<START, CARRY>(columns, [differ, momentum], q, ports);
+            self.linearise_all::<START>(columns, known, drop, q, ports);
         } else {
-            self.linearise_apart::<START, CARRY>(columns, [differ, momentum], q, ports);
+            self.linearise_apart::<START>(columns, known, drop, q, ports);
         }
     }
 
     /// A function of its own, whose loop then has the processor's registers for itself.
     #[inline(never)]
-    fn linearise_apart<const START: bool, const CARRY: bool>(
+    fn linearise_apart<const START: bool>(
         &self,
         columns: Columns<'_>,
         known: [&[f32]; 2],
+        drop: &mut [f32],
         q: &mut [f32],
         ports: &mut [Port],
     ) {
-        self.linearise_all::<START, CARRY>(columns, known, q, ports);
+        self.linearise_all::<START>(columns, known, drop, q, ports);
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    fn linearise_all<const START: bool, const CARRY: bool>(
+    #[allow(clippy::inline_always, reason = "part of the loop over segments")]
+    fn linearise_all<const START: bool>(
         &self,
         columns: Columns<'_>,
-        [differ, momentum]: [&[f32]; 2],
+        [differ, pushed]: [&[f32]; 2],
+        drop: &mut [f32],
         q: &mut [f32],
         ports: &mut [Port],
     ) {
-        let known = differ.iter().zip(momentum);
+        let known = differ.iter().zip(pushed).zip(drop);
         let rows = columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate();
-        every!(UNROLL, rows, (index, (((figures, w), (differ, pushed)), (q, port))) => {
-            let (dw, differ) = if START { (0.0, 0.0) } else { (*q + port[0] * differ, *differ) };
-            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *pushed, differ);
+        every!(UNROLL, rows, (index, (((figures, w), ((differ, pushed), drop)), (q, port))) => {
+            let dw = if START { 0.0 } else {
+                *drop += differ;
+                *q + port[0] * differ
+            };
+            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *drop + pushed);
             *q = fresh;
-            *port = [b, if CARRY { w + (w + fresh) } else { w + fresh }];
+            *port = [b, w + fresh];
         });
     }
 }
 
-/// Completes the known parts of the momentum by the head of the stage.
+/// What pushes the flows beside pressures, by the head of the stage: the `FIRST` knows nothing else.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn push(head: &[f32], momentum: &mut [f32]) {
-    for (momentum, head) in momentum.iter_mut().zip(head) {
-        *momentum += head;
+pub(crate) fn push<const FIRST: bool>(head: &[f32], pushed: &mut [f32]) {
+    for (pushed, head) in pushed.iter_mut().zip(head) {
+        *pushed = if FIRST { *head } else { *pushed + head };
     }
 }
 
-/// Known parts of the BDF2 stage's momentum without head: the pressure difference of the step's start and a share of
-/// the first stage's increments, which are kept.
+/// What pushes the flows in the BDF2 stage but for heads: inertance, by a share of the first stage's increments,
+/// which are kept.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn carry_over(
-    [inertia, drop, differ, q]: [&[f32]; 4],
+    [inertia, differ, q]: [&[f32]; 3],
     ports: &[Port],
-    momentum: &mut [f32],
+    pushed: &mut [f32],
     first: &mut [f32],
 ) {
-    let known = inertia.iter().zip(drop).zip(differ.iter().zip(q)).zip(ports);
-    for ((((inertia, drop), (differ, q)), [b, _]), (momentum, first)) in
-        known.zip(momentum.iter_mut().zip(first))
-    {
+    let known = inertia.iter().zip(differ.iter().zip(q)).zip(ports);
+    for (((inertia, (differ, q)), [b, _]), (pushed, first)) in known.zip(pushed.iter_mut().zip(first)) {
         let dw = q + b * differ;
         *first = dw;
-        *momentum = drop + CARRY_OVER * inertia * dw;
+        *pushed = CARRY_OVER * inertia * dw;
     }
 }
 
