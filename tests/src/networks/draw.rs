@@ -97,6 +97,9 @@ impl Drawn {
         let elements = dice.whole(1, 4);
         let resistance = dice.power_of_ten(2.0, 7.0);
         let (columns, volumes) = (dice.chance(0.6), dice.chance(0.4));
+        // Drawn for every line, but a node without volume passes on what comes in: a column of air that starts to run
+        // against it on its own would have to be stopped at once, by a pressure without bound.
+        let passes_on = [from, to].map(|node| self.nodes[node as usize].kind == NodeKind::Junction);
         self.lines.push(Line {
             from,
             to,
@@ -106,6 +109,9 @@ impl Drawn {
             laminar_below_pa: dice.power_of_ten(-4.0, 0.0) as f32,
             start_flow_kg_s: if dice.chance(0.5) { 0.0 } else { dice.between(-0.05, 0.05) as f32 },
         });
+        if let (true, Some(line)) = (passes_on.contains(&true), self.lines.last_mut()) {
+            line.start_flow_kg_s = 0.0;
+        }
         for _ in 0..elements {
             let element = element(dice, resistance / elements as f64, kinds);
             let first_input = self.inputs.len() as u32;

@@ -113,8 +113,8 @@ fn distance_pa(simulator: &Simulator<'_>, network: &Network<'_>, target: &Steady
 pub struct Settled {
     /// Steps taken.
     pub steps: u64,
-    /// Largest error of any line: of its flow as part of the largest, or of the pressure that drives it in
-    /// units of 1 Pa (more where single precision does not resolve that), whichever is smaller [1].
+    /// Largest error of any line: of its flow as part of the largest, or of the pressure that drives it (with an
+    /// implicit method: through the part of the line that has this flow, between two volumes) in units of 1 Pa (more where single precision does not resolve that), whichever is smaller [1].
     pub error: f64,
     /// The line that has it.
     pub line: usize,
@@ -148,7 +148,7 @@ pub fn settle(drawn: &Drawn, method: Method) -> Result<Option<Settled>, Trouble>
                 return Err(Trouble::Fault(fault));
             }
         }
-        Ok(Some(compare(simulator, &network, &target, steps)))
+        Ok(Some(compare(simulator, &network, &target, storage, steps)))
     };
     match with_simulator(&network, method, drawn.step_us, run) {
         Err(BuildError::Method(MethodError::Junction(_))) => Ok(None),
@@ -157,7 +157,13 @@ pub fn settle(drawn: &Drawn, method: Method) -> Result<Option<Settled>, Trouble>
     }
 }
 
-fn compare(simulator: &Simulator<'_>, network: &Network<'_>, target: &Steady, steps: u64) -> Settled {
+fn compare(
+    simulator: &Simulator<'_>,
+    network: &Network<'_>,
+    target: &Steady,
+    storage: Storage,
+    steps: u64,
+) -> Settled {
     let largest = target.flow_kg_s.iter().fold(f64::MIN_POSITIVE, |largest, w| largest.max(w.abs()));
     // A pressure is kept in single precision: far from the reference it has a coarser grid than 0.1 mPa.
     let farthest = target.gauge_pa.iter().fold(0.0f64, |farthest, gauge| farthest.max(gauge.abs()));
@@ -165,7 +171,7 @@ fn compare(simulator: &Simulator<'_>, network: &Network<'_>, target: &Steady, st
     let mut settled = Settled { steps, ..Settled::default() };
     for (index, line) in network.lines.iter().enumerate() {
         let (found, exact) = (f64::from(simulator.line_flow_kg_s(index)), target.flow_kg_s[index]);
-        let drive = slowest::Losses::of(network, line, exact).apart_pa(found);
+        let drive = slowest::Losses::of_stretch(network, line, exact, storage).apart_pa(found);
         let error = ((found - exact).abs() / largest).min(drive / grid);
         if error > settled.error || error.is_nan() {
             settled = Settled { error, line: index, ..settled };

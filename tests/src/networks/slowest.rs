@@ -5,7 +5,7 @@
 //! twice, at the steady state and as the chord to the farthest that a line can be away from it, and the slower
 //! result counts. `adaptive` slows a node of small volume to C/φ.
 
-use eclss_core::{Element, Line, Network, NodeKind};
+use eclss_core::{Element, Line, Network, NodeKind, Segment};
 use eclss_network_file::steady::Steady;
 use nalgebra::{DMatrix, DVector};
 
@@ -79,6 +79,30 @@ pub(super) struct Losses {
 impl Losses {
     pub(super) fn of(network: &Network<'_>, line: &Line, w: f64) -> Self {
         Self { forward: Loss::of(network, line, w, true), reverse: Loss::of(network, line, w, false), w }
+    }
+
+    /// Those of the part of a line that has the flow of its flow segment: what lies between two volumes, below the
+    /// whole line's laminar flow.
+    pub(super) fn of_stretch(network: &Network<'_>, line: &Line, w: f64, storage: Storage) -> Self {
+        let whole = Self::of(network, line, w);
+        if storage != Storage::Whole {
+            return whole;
+        }
+        let segments = network.segments_of(line);
+        let flow = line.flow_segment as usize;
+        let stores = |segment: &Segment| segment.outlet_volume_m3 > 0.0;
+        let first = segments[..flow].iter().rposition(stores).map_or(0, |before| before + 1);
+        let last = segments[flow..].iter().position(stores).map_or(segments.len() - 1, |on| flow + on);
+        let part = Line {
+            first_segment: line.first_segment + first as u32,
+            segments: (last - first + 1) as u32,
+            flow_segment: (flow - first) as u32,
+            ..*line
+        };
+        let part = Self::of(network, &part, w);
+        let forward = Loss { laminar: whole.forward.laminar, ..part.forward };
+        let reverse = Loss { laminar: whole.reverse.laminar, ..part.reverse };
+        Self { forward, reverse, w }
     }
 
     fn toward(&self, w: f64) -> &Loss {
