@@ -9,11 +9,10 @@
 //! the nodes remain in a sparse M-matrix whose elimination was planned when the network was built ([`matrix`]).
 //! Segments without volume between them are one flow ([`law`]); rows without inertance or capacity are solved as 0 = f.
 //!
-//! Two solves a stage:
-//!
-//! - `implicit-euler`: τ = h, β = 0. First order.
+//! - `implicit-euler`: τ = h, β = 0, one solve; two where volumes are so small that one would leave them what it rounds.
+//!   First order.
 //! - `tr-bdf2`: τ = (1 − 1/√2)·h in both stages; a trapezoidal stage to γ = 2 − √2, then BDF2 with
-//!   β = `1.2071·δ_γ`. Second order, L-stable (Bank et al. 1985). The trapezoidal stage has its
+//!   β = `1.2071·δ_γ`; two solves a stage. Second order, L-stable (Bank et al. 1985). The trapezoidal stage has its
 //!   one-leg form, the midpoint rule: f is taken once at the middle, `M·δ_m = τ·f(x + δ_m)`, and `δ_γ = 2·δ_m`. For
 //!   linear f that is the same; but f at the step's start, which may ask a closing valve for any pressure, stays out.
 //!
@@ -53,6 +52,9 @@ const MEAN: f32 = 0.707_106_77;
 /// Largest pressure difference that a segment is expected to see [Pa]: where it would drive the flow against
 /// friction rather than against inertance within one stage, the slope is guarded.
 const EXPECTED_DRIVE_PA: f32 = 1e3;
+
+/// Largest part of its own rounding that one solve may hand back to a volume [1].
+const RETURNED: f32 = 1e-3;
 
 pub(crate) fn check<E: Element>(network: &Network<'_, E>, step_us: u32) -> Result<(), MethodError> {
     if step_us == 0 {
@@ -164,7 +166,29 @@ pub(crate) fn start<E: Element>(
         law::set_laminar(line, &mut work);
     }
     law::join::<E, false>(network, tau, inputs, state.flow, &mut work);
+    if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {
+        *again = 1.0;
+    }
     respond::advance(network, f32::INFINITY, inputs, state.flow, state.memory, &work);
+}
+
+/// Whether one solve would hand some volume's rounding back to it: in a step it stores C·p/τ of a flow that is known to
+/// a unit in the last place of b·p. An element that changes may open as wide as it likes.
+fn rounding_returns<E: Element>(network: &Network<'_, E>, work: &Work<'_>) -> bool {
+    let nodes = network.nodes.len() as u32;
+    let capacity = |point: u32| match point.checked_sub(nodes) {
+        None => at(work.capacity, point),
+        Some(joint) => work.joints.get(joint as usize).map_or(0.0, |joint| joint[0]),
+    };
+    (0u32..).zip(network.segments).zip(network.plan.between).any(|((index, segment), points)| {
+        let changes = segment.element.is_active() || is_joined(&network.plan, index as usize);
+        let friction = at(work.linear, index) + at(work.quadratic, index) * at(work.laminar, index);
+        let least = at(work.inertia, index) + if changes { 0.0 } else { friction };
+        points.iter().map(|&point| capacity(point)).any(|capacity| {
+            let stores = capacity > 0.0;
+            stores && RETURNED * least * capacity < f32::EPSILON
+        })
+    })
 }
 
 /// Inputs at the step's start, at the middle of the inner stage and at the step's end.
@@ -224,8 +248,11 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true, true>(model, state.flow, work);
-    respond!(first, At::Iterate);
-    solve::<E, UNROLL, false, true>(model, state.flow, work);
+    // Lines that respond are solved more often in any case.
+    if two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !responds) {
+        respond!(first, At::Iterate);
+        solve::<E, UNROLL, false, true>(model, state.flow, work);
+    }
     if responds {
         respond::solve_more::<E, UNROLL, true>(model, first, state.flow, state.memory, work);
     }

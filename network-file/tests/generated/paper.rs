@@ -40,10 +40,10 @@ pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1
 pub const ADAPTIVE: Sizes = Sizes { state: 9, work: 25, inputs: 6, cursors: 1 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 177, inputs: 6, cursors: 1 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 178, inputs: 6, cursors: 1 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 36, work: 177, inputs: 6, cursors: 1 };
+pub const TR_BDF2: Sizes = Sizes { state: 36, work: 178, inputs: 6, cursors: 1 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };

@@ -33,7 +33,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
             + 3 * ports
             + 2 * rows
             + entries
-            + 1,
+            + 2,
     )
 }
 
@@ -128,6 +128,8 @@ pub(crate) struct Work<'w> {
     pub(crate) entries: &'w mut [f32],
     /// 1 where some joint in a line has no volume.
     pub(crate) merged: &'w mut [f32],
+    /// 1 where one solve would leave a volume what it rounds.
+    pub(crate) again: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -167,6 +169,7 @@ impl<'w> Work<'w> {
             dense: cut.take(rows),
             entries: cut.take(network.plan.columns.len()),
             merged: cut.take(1),
+            again: cut.take(1),
         }
     }
 }
