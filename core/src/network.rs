@@ -126,7 +126,7 @@ pub enum NetworkError {
     /// The list of responsive lines is not the one that follows from the segments, or a density in it is not
     /// finite or negative; the line at which it goes wrong.
     ResponsiveList(u32),
-    /// A schedule's input, points or times do not fit; its index.
+    /// A schedule's input, points or times do not fit, or a value is out of the input's range; its index.
     Schedule(u32),
     /// The lists of line ends are not those that follow from the lines.
     Plan(PlanError),
@@ -251,12 +251,13 @@ impl<E: Element> Network<'_, E> {
         for (index, schedule) in (0u32..).zip(self.schedules) {
             let points = self.points.get(next..next.saturating_add(schedule.points as usize));
             let earlier = self.schedules.get(..index as usize).unwrap_or(&[]);
+            let (min, max) = self.range_of(schedule.input as usize).unwrap_or((f32::MIN, f32::MAX));
             let fits = schedule.first_point as usize == next
                 && (schedule.input as usize) < self.inputs.len()
                 && !earlier.iter().any(|other| other.input == schedule.input)
                 && points.is_some_and(|points| {
                     !points.is_empty()
-                        && points.iter().all(|point| point.value.is_finite())
+                        && points.iter().all(|point| (min..=max).contains(&point.value))
                         && points.windows(2).all(|pair| matches!(pair, [a, b] if a.time_us <= b.time_us))
                 });
             if !fits {
@@ -366,6 +367,15 @@ mod tests {
         segments[2].element = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: -1.0 });
         let error = Network { segments: &segments, ..network }.check().unwrap_err();
         assert!(matches!(error, NetworkError::Segment(2, ParameterError { reason: Reason::Negative, .. })));
+
+        let point = |value| crate::SchedulePoint { time_us: 0, value };
+        let interpolation = crate::Interpolation::Hold;
+        let schedules = [crate::Schedule { input: 1, first_point: 0, points: 1, interpolation }];
+        let scheduled = |value| Network { schedules: &schedules, points: &[point(value)], ..network }.check();
+        assert_eq!(scheduled(0.5), Ok(()));
+        for value in [1.5, -0.1, f32::NAN, f32::INFINITY] {
+            assert_eq!(scheduled(value), Err(NetworkError::Schedule(0)), "{value}");
+        }
 
         let nodes = [network.nodes[0], Node { kind: NodeKind::Boundary, ..network.nodes[0] }];
         assert_eq!(Network { nodes: &nodes, ..network }.check(), Err(NetworkError::UnconnectedNode(1)));

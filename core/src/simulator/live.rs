@@ -101,6 +101,12 @@ impl<E: Element> Network<'_, E> {
         if self.climate.drives(slot) {
             return Err(InputError::Controlled);
         }
+        let (min, max) = self.range_of(slot).ok_or(InputError::Unused)?;
+        Ok(LiveInput { slot, min, max })
+    }
+
+    /// What all elements that read a slot allow; `None` where none does.
+    pub(crate) fn range_of(&self, slot: usize) -> Option<(f32, f32)> {
         let mut range = self.climate.spec_of(slot).map(|spec| (spec.min, spec.max));
         for segment in self.segments {
             let index = slot.checked_sub(segment.first_input as usize);
@@ -110,8 +116,7 @@ impl<E: Element> Network<'_, E> {
                 range = Some((higher, if spec.max < max { spec.max } else { max }));
             }
         }
-        let (min, max) = range.ok_or(InputError::Unused)?;
-        Ok(LiveInput { slot, min, max })
+        range
     }
 }
 
