@@ -135,13 +135,15 @@ impl Monitor {
         let inspired = (air.pressure_pa / MMHG_PA - LUNGS_MMHG) * oxygen / air.pressure_pa;
         let celsius = air.temperature_k - crate::moist::ZERO_CELSIUS_K;
         let dew_point = air.dew_point_k - crate::moist::ZERO_CELSIUS_K;
+        // What is no number breaks every limit, as in a vacuum, where nothing has a share.
         let outside = |value: f32, least: f32, most: f32| !(least..=most).contains(&value);
+        let over = |value: f32, mmhg: f32| outside(value, f32::MIN, mmhg * MMHG_PA);
         let mut broken = Broken::default();
-        broken.set(Limit::CarbonDioxideHour, self.hour_pa() > 3.0 * MMHG_PA);
-        broken.set(Limit::CarbonDioxideOffNominal, carbon_dioxide > 15.0 * MMHG_PA);
-        broken.set(Limit::CarbonDioxideEmergency, carbon_dioxide > 20.0 * MMHG_PA);
+        broken.set(Limit::CarbonDioxideHour, over(self.hour_pa(), 3.0));
+        broken.set(Limit::CarbonDioxideOffNominal, over(carbon_dioxide, 15.0));
+        broken.set(Limit::CarbonDioxideEmergency, over(carbon_dioxide, 20.0));
         broken.set(Limit::InspiredOxygen, outside(inspired, 145.0, 155.0));
-        broken.set(Limit::InspiredOxygenLowest, inspired < 127.0);
+        broken.set(Limit::InspiredOxygenLowest, outside(inspired, 127.0, f32::MAX));
         broken.set(Limit::Pressure, outside(air.pressure_pa, 34.5e3, 103e3));
         broken.set(Limit::Temperature, outside(celsius, 18.0, 27.0));
         broken.set(Limit::RelativeHumidity, outside(air.relative_humidity, 0.25, 0.75));
@@ -195,6 +197,24 @@ mod tests {
         let broken = Monitor::default().watch(&thin, 1.0);
         assert!(broken.has(Limit::InspiredOxygenLowest) && broken.has(Limit::StationPressure));
         assert!(!broken.has(Limit::Pressure));
+    }
+
+    #[test]
+    fn nothing_to_breathe_and_no_number_at_all_break_the_limits() {
+        let vacuum = Readings { pressure_pa: 0.0, partial_pa: [0.0; 6], relative_humidity: 0.0, ..air() };
+        let broken = Monitor::default().watch(&vacuum, 1.0);
+        assert!(broken.has(Limit::InspiredOxygenLowest) && broken.has(Limit::InspiredOxygen));
+        let unknown = Readings { partial_pa: [f32::NAN; 6], ..air() };
+        let broken = Monitor::default().watch(&unknown, 60.0);
+        for limit in [
+            Limit::CarbonDioxideHour,
+            Limit::CarbonDioxideOffNominal,
+            Limit::CarbonDioxideEmergency,
+            Limit::InspiredOxygenLowest,
+            Limit::StationOxygen,
+        ] {
+            assert!(broken.has(limit), "{limit:?}");
+        }
     }
 
     #[test]
