@@ -22,7 +22,7 @@ pub const SCHEDULES: usize = 16;
 /// Entries of L + U.
 const ENTRIES: usize = 512;
 /// Numbers of state, and as many of work, that a network of these capacities may need with any method.
-pub const NUMBERS: usize = 8 * 1024;
+pub const NUMBERS: usize = 8 * 1024 + 128;
 /// Bytes of the hash at the end.
 const TRAILER: usize = 8;
 /// Most bytes of an image that fits these capacities: every table full, every number at its longest.
