@@ -329,7 +329,7 @@ impl Link {
 
     /// Takes note that the first `bytes` of [`Self::outgoing`] are on their way.
     pub fn sent(&mut self, bytes: usize) {
-        self.out_start = (self.out_start + bytes).min(self.out_end);
+        self.out_start = self.out_start.saturating_add(bytes).min(self.out_end);
         if self.out_start == self.out_end {
             (self.out_start, self.out_end) = (0, 0);
         }
