@@ -31,8 +31,8 @@ pub(crate) use step::{Given, Stepped, control, start, step};
 pub use volume::{Contents, Readings, Volume};
 
 use self::medium::{Medium, PARTS};
-use crate::element::{Element, InputSpec, ParameterError};
-use crate::{Fingerprint, Network, NodeKind};
+use crate::element::{Element, InputSpec, ParameterError, Reason};
+use crate::{Fingerprint, Network, Node, NodeKind};
 
 /// The description of everything beside the flows, borrowed.
 #[derive(Debug, Clone, Copy)]
@@ -73,6 +73,8 @@ pub enum ClimateError {
     Junction(u32),
     /// A line joins air and coolant.
     Media(u32),
+    /// A line of coolant has a law of gases: a density that follows, or an opening with compressible flow.
+    GasLaw(u32),
     /// A segment has a volume inside its line; with a climate volumes are nodes.
     InnerVolume(u32),
     /// A segment takes out a fixed share of its flow; with a climate condensers and removers do that.
@@ -120,6 +122,19 @@ impl Climate<'_> {
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
         self.volumes.is_empty()
+    }
+
+    /// How much more the pressure of a volume of air rises with its mass than isothermally [1]: γ, because what comes
+    /// brings its flow work. 1 without a climate, and for what is no gas.
+    pub(crate) fn isentropic(&self, node: &Node) -> f32 {
+        if self.is_none() || !matches!(node.kind, NodeKind::Cabin { .. }) { 1.0 } else { volume::GAMMA }
+    }
+
+    /// The most by which it may rise more than Rg·T/V of the description says, with the gas constant of what comes
+    /// (nitrogen's is 1.034 of dry air's) and the highest temperature at which a run is trusted [1]; 1 without a climate.
+    pub(crate) fn stiffening(&self, node: &Node) -> f32 {
+        let hottest = self.reference_k + step::THETA_LIMIT_K;
+        if self.is_none() { 1.0 } else { self.isentropic(node) * 1.034 * hottest / node.temperature_k }
     }
 
     fn holds(&self, node: u32, contents: Contents) -> bool {
@@ -178,6 +193,13 @@ impl Climate<'_> {
                 return Err(ClimateError::Media(index));
             }
             let segments = network.segments_of(line);
+            let follows = network
+                .responsive
+                .iter()
+                .any(|entry| entry.line == index && entry.reference_density_kg_m3 > 0.0);
+            if !air && (follows || segments.iter().any(|segment| segment.element.needs_both_ends())) {
+                return Err(ClimateError::GasLaw(index));
+            }
             for (place, segment) in (line.first_segment..).zip(segments) {
                 if segment.element.removal() > 0.0 {
                     return Err(ClimateError::Removal(place));
@@ -257,8 +279,16 @@ impl Climate<'_> {
         }
         for (index, wall) in (0u32..).zip(self.walls) {
             wall.check(step_s).map_err(|error| ClimateError::Wall(index, error))?;
-            if wall.node as usize >= self.volumes.len() {
-                return Err(ClimateError::WallNode(index));
+            let volume = self.volumes.get(wall.node as usize).ok_or(ClimateError::WallNode(index))?;
+            // Within one step a volume must not pass the temperature of its walls either.
+            let walls = self.walls.iter().filter(|other| other.node == wall.node);
+            let conductance: f32 = walls.map(|wall| wall.inner_w_k).sum();
+            let heats = &volume.medium(&self.air, &self.coolant).resting_j_kg_k;
+            let held =
+                network.nodes.get(wall.node as usize).is_some_and(|node| node.kind == NodeKind::Boundary);
+            if !held && volume.start_kg * medium::dot(&volume.fractions, heats) < step_s * conductance {
+                let (parameter, reason) = ("inner_w_k", Reason::OutsideValidity);
+                return Err(ClimateError::Wall(index, ParameterError { parameter, reason }));
             }
             check_inputs(network, wall.first_input, &Wall::INPUTS)?;
         }
@@ -283,7 +313,7 @@ impl Climate<'_> {
             };
             let opposite = control.opposite == ControlLoop::NONE
                 || (control.opposite != control.drives && driven(control.opposite));
-            let measures = control.measures_something(self.volumes.len(), self.exchangers.len());
+            let measures = control.measures_something(self);
             if !(measures && driven(control.drives) && opposite) {
                 return Err(ClimateError::LoopTarget(index));
             }

@@ -126,6 +126,20 @@ impl Method {
         }
     }
 
+    /// Where the climate meets a node's figures in the work: sets the gauge pressure [Pa], where there is one, and
+    /// returns φ of the last step [1].
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the climate's loop over volumes")]
+    pub(crate) fn meet(self, figures: &mut [f32], gauge_pa: Option<f32>) -> f32 {
+        if let (Some(pressure), Some(gauge_pa)) = (figures.first_mut(), gauge_pa) {
+            *pressure = gauge_pa;
+        }
+        match self {
+            Self::Adaptive => figures.get(adaptive::NODE_FIGURES - 1).copied().unwrap_or(1.0),
+            Self::Euler | Self::Relaxation | Self::ImplicitEuler | Self::TrBdf2 => 1.0,
+        }
+    }
+
     /// Where in the state the sum stands that the first line gave, with its carry behind it, and the places between
     /// two lines.
     pub(crate) const fn given_at(self, nodes: usize) -> (usize, usize) {

@@ -236,12 +236,11 @@ impl<'a, E: Element> Simulator<'a, E> {
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
             let at = climate::Stepped { step_s: h, inputs: start, given };
             let stride = settings.method.node_stride();
-            let gauge = |node: usize, gauge_pa: f32| {
-                if let Some(pressure) = work.get_mut(node * stride) {
-                    *pressure = gauge_pa;
-                }
+            let flow = |node: usize, gauge_pa: Option<f32>| {
+                let figures = work.get_mut(node * stride..).unwrap_or(&mut []);
+                settings.method.meet(figures, gauge_pa)
             };
-            place = place.or(climate::step(network, at, climate_state, climate_work, gauge));
+            place = place.or(climate::step(network, at, climate_state, climate_work, flow));
         }
         self.count(settings, margin, place)
     }

@@ -23,7 +23,7 @@ pub(crate) struct Conversion<'a> {
     pub(crate) entry: &'a ElementEntry,
     /// Path of the element's table.
     pub(crate) path: &'a str,
-    /// Reference density of the line [kg/m³]; 0 for a line out of a vacuum.
+    /// Reference density of the line [kg/m³]; 0 for a line out of a vacuum, or whose coolant is unknown.
     pub(crate) density_kg_m3: f64,
     /// Pressure [Pa] and temperature [K] of the line's node of higher pressure at the start.
     pub(crate) high_side: (f64, f64),
@@ -222,7 +222,8 @@ impl Conversion<'_> {
         if self.density_kg_m3 > 0.0 {
             return self.density_kg_m3;
         }
-        self.refuse(key, format!("`{key}` needs a density, and the line starts in a vacuum"));
+        let reason = "and the line starts in a vacuum or at a boundary of coolant: give it a `reference_density_kg_m3`";
+        self.refuse(key, format!("`{key}` needs a density, {reason}"));
         1.0
     }
 

@@ -192,7 +192,7 @@ impl Tables {
     ) {
         let from = node_of(ids, &line.from, path, "from", notes);
         let to = node_of(ids, &line.to, path, "to", notes);
-        let density_kg_m3 = density(file, line, from);
+        let density_kg_m3 = density(file, line, from, to);
         let high_side = high_side(file, from, to);
         let first_segment = self.segments.len();
         for (place, entry) in line.elements.iter().enumerate() {
@@ -278,18 +278,22 @@ fn high_side(file: &NetworkFile, from: Option<usize>, to: Option<usize>) -> (f64
 }
 
 /// Density for which the line's parameters hold [kg/m³].
-fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>) -> f64 {
-    let of_node = || {
-        let node = file.nodes.get(from?)?;
-        Some(match node.kind {
-            NodeEntryKind::Liquid { density_kg_m3, .. }
-            | NodeEntryKind::Accumulator { density_kg_m3, .. } => density_kg_m3,
-            NodeEntryKind::Cabin { .. } | NodeEntryKind::Junction | NodeEntryKind::Boundary => {
-                node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k)
-            }
-        })
+///
+/// A boundary of coolant has none of its own: there it is that of the liquid at the line's other end, or 0 for unknown.
+fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>, to: Option<usize>) -> f64 {
+    let liquid = |node: Option<usize>| match file.nodes.get(node?)?.kind {
+        NodeEntryKind::Liquid { density_kg_m3, .. } | NodeEntryKind::Accumulator { density_kg_m3, .. } => {
+            Some(density_kg_m3)
+        }
+        NodeEntryKind::Cabin { .. } | NodeEntryKind::Junction | NodeEntryKind::Boundary => None,
     };
-    line.reference_density_kg_m3.or_else(of_node).unwrap_or(1.0)
+    let gas = || {
+        let node = file.nodes.get(from?)?;
+        let coolant = node.contents.contents.as_deref() == Some("coolant");
+        let density = node.pressure_pa / (f64::from(air::GAS_CONSTANT_J_KG_K) * node.temperature_k);
+        Some(if coolant { 0.0 } else { density })
+    };
+    line.reference_density_kg_m3.or_else(|| liquid(from)).or_else(|| liquid(to)).or_else(gas).unwrap_or(1.0)
 }
 
 /// The steady flow with everything open and every machine at its highest speed [kg/s], if no run with it could

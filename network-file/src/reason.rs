@@ -221,6 +221,11 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
         ClimateError::Media(index) => {
             (part("line", index), &["from", "to"], "joins air and coolant, which do not mix".into())
         }
+        ClimateError::GasLaw(index) => (
+            part("line", index),
+            &["density", "id"],
+            "holds coolant: `orifice`, `leak`, `pressure_regulator` and a density that follows are laws of gases".into(),
+        ),
         ClimateError::InnerVolume(index) => (
             element_path(loaded, index),
             &["outlet_volume_m3", "length_m"],

@@ -50,6 +50,20 @@ fn mistakes_are_named_at_their_place() {
             "`activity` must lie in 0 … 7",
         ),
         ("id = \"equipment\"", "id = \"cabin\"", "id `cabin` is taken already"),
+        ("setpoint = 277.5 ", "", "`setpoint` is missing"),
+        (
+            "\"cold.temperature\"\nkind",
+            "\"cold.total_pressure\"\nkind",
+            "nothing `cold.total_pressure` to measure",
+        ),
+        ("dew_point_k = 282.0", "dew_point_k = 300.0", "dew point lies above"),
+        ("from = \"warm\"", "density = \"follows\"\nfrom = \"warm\"", "laws of gases"),
+        (
+            "id = \"cold_plate\"\nkind = \"heater\"\nresistance_pa_s2_kg2 = 2000000.0\ninertance_per_m = 5000.0\npower = 500.0",
+            "id = \"cold_plate\"\nkind = \"orifice\"\narea_m2 = 1e-5\ndischarge_coefficient = 0.6",
+            "laws of gases",
+        ),
+        ("inner_w_k = 60.0", "inner_w_k = 9e7", "`inner_w_k` lies outside the range"),
     ] {
         let problems = refusal(from, to);
         let found = problems.iter().any(|(line, reason)| *line > 1 && reason.contains(wanted));

@@ -1,12 +1,12 @@
 //! Limit monitor: says which limits a cabin's air breaks.
 //!
 //! Source: NASA-STD-3001 vol. 2, quoted second hand: carbon dioxide ≤ 3 mmHg as a mean over an hour, off-nominal 15,
-//! emergency 20 mmHg; inspired oxygen (p − 47 mmHg)·x 145–155 mmHg, lowest 127; total 34.5–103 kPa; 18–27 °C; relative
+//! emergency 20 mmHg; inspired oxygen (p − 47 mmHg)·x, x its share of dry gas, 145–155 mmHg, lowest 127; total 34.5–103 kPa; 18–27 °C; relative
 //! humidity 25–75 %. Unverified station-class values: dew point 4.4–15.6 °C, total 97.9–102.7 kPa, oxygen 19.5–23.1 kPa.
 //! The mean over an hour is one of sixty means over a minute.
 
 use super::Readings;
-use super::medium::{CARBON_DIOXIDE, OXYGEN};
+use super::medium::{CARBON_DIOXIDE, OXYGEN, VAPOUR};
 
 /// A millimetre of mercury [Pa].
 pub const MMHG_PA: f32 = 133.322;
@@ -132,7 +132,9 @@ impl Monitor {
             self.filled = (self.filled + 1).min(MINUTES);
             (self.sum_pa_s, self.time_s) = (0.0, 0.0);
         }
-        let inspired = (air.pressure_pa / MMHG_PA - LUNGS_MMHG) * oxygen / air.pressure_pa;
+        // In the lungs vapour is at its own pressure, whatever the cabin's is: x is the share of dry gas.
+        let dry_pa = air.pressure_pa - air.partial_pa[VAPOUR];
+        let inspired = (air.pressure_pa / MMHG_PA - LUNGS_MMHG) * oxygen / dry_pa;
         let celsius = air.temperature_k - crate::moist::ZERO_CELSIUS_K;
         let dew_point = air.dew_point_k - crate::moist::ZERO_CELSIUS_K;
         // What is no number breaks every limit, as in a vacuum, where nothing has a share.

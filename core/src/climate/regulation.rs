@@ -1,6 +1,7 @@
 //! Control loops: what is measured, the controller, and the input that its actuator drives.
 
 use super::medium::PARTS;
+use super::{Climate, Contents};
 use crate::control::{Actuator, Controller, Sensor};
 use crate::{Fingerprint, InputSpec};
 
@@ -75,15 +76,15 @@ impl ControlLoop {
         self.actuator.feed(hash);
     }
 
-    /// Whether the measured place exists among so many volumes and exchangers.
-    pub(super) fn measures_something(&self, nodes: usize, exchangers: usize) -> bool {
+    /// Whether the measured place exists in this climate and holds what is measured: of coolant that is temperature.
+    pub(super) fn measures_something(&self, climate: &Climate<'_>) -> bool {
         match self.measure {
-            Measure::Temperature(node)
-            | Measure::DewPoint(node)
-            | Measure::RelativeHumidity(node)
-            | Measure::Pressure(node) => (node as usize) < nodes,
-            Measure::Partial(node, part) => (node as usize) < nodes && (part as usize) < PARTS,
-            Measure::AirOutlet(exchanger) => (exchanger as usize) < exchangers,
+            Measure::Temperature(node) => (node as usize) < climate.volumes.len(),
+            Measure::DewPoint(node) | Measure::RelativeHumidity(node) | Measure::Pressure(node) => {
+                climate.holds(node, Contents::Air)
+            }
+            Measure::Partial(node, part) => climate.holds(node, Contents::Air) && (part as usize) < PARTS,
+            Measure::AirOutlet(exchanger) => (exchanger as usize) < climate.exchangers.len(),
         }
     }
 }

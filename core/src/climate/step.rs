@@ -16,7 +16,9 @@ use crate::{Line, Network, NodeKind, math};
 /// Copies of the inputs, one for each stage time of a method.
 const STAGES: usize = 3;
 /// Largest deviation of a temperature from the reference at which a run is trusted [K].
-const THETA_LIMIT_K: f32 = 100.0;
+pub(super) const THETA_LIMIT_K: f32 = 100.0;
+/// How far rounding may take a mass fraction below 0 [1].
+const LEAST_FRACTION: f32 = 1e-6;
 
 impl Books<'_> {
     /// Adds a row.
@@ -186,14 +188,15 @@ pub(crate) struct Given<'s> {
     pub(crate) stride: usize,
 }
 
-/// Moves masses and energy with the flows of the step that the method has just taken. Calls `gauge` with every gas
-/// volume and its new gauge pressure [Pa]; returns the first volume that left its range.
+/// Moves masses and energy with the flows of the step that the method has just taken. Calls `flow` with every volume:
+/// without a pressure to ask for the method's φ, then with the new gauge pressure [Pa] of a gas volume. Returns the
+/// first volume that left its range.
 pub(crate) fn step<E: Element>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
     state: &mut [f32],
     work: &mut [f32],
-    mut gauge: impl FnMut(usize, f32),
+    mut flow: impl FnMut(usize, Option<f32>) -> f32,
 ) -> Option<Place> {
     let climate = &network.climate;
     let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
@@ -225,11 +228,18 @@ pub(crate) fn step<E: Element>(
         let [_, _, _, inward, outward, _] = *figures;
         *passed = [inward, outward];
         let mut held = Held { value, carry, owed, owed_carry, net, lost, fractions, figures };
-        if let Some(pressure) = constants.update(&mut held) {
-            gauge(index, pressure);
+        let slowed = flow(index, None);
+        if let Some(pressure) = constants.update(&mut held, slowed) {
+            flow(index, Some(pressure));
         }
         let [theta, _, mass, ..] = *held.figures;
-        if math::beyond(theta, THETA_LIMIT_K) || math::beyond(1.0 / mass, f32::MAX) || mass < 0.0 {
+        // No part can be taken out that is not there.
+        let least = held.fractions.iter().fold(0.0, |least, part| math::smaller(least, *part));
+        if least < -LEAST_FRACTION
+            || math::beyond(theta, THETA_LIMIT_K)
+            || math::beyond(1.0 / mass, f32::MAX)
+            || mass < 0.0
+        {
             place = place.or(Some(Place::Node(index as u32)));
         }
     }
@@ -426,7 +436,14 @@ fn supply_volumes<E>(network: &Network<'_, E>, at: Stepped<'_>, state: &mut Stat
         };
         let held = network.nodes.get(node).is_some_and(|node| node.kind == NodeKind::Boundary);
         if volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 && !held {
-            let vapour = volume::evaporated_kg(volume, figures, fractions, climate.reference_k, at.step_s);
+            let vapour = volume::evaporated_kg(
+                volume,
+                figures,
+                fractions,
+                &climate.air,
+                climate.reference_k,
+                at.step_s,
+            );
             let mut change = [0.0; STORED];
             (change[VAPOUR], change[LIQUID]) = (vapour, -vapour);
             work.books.add(node, &change);

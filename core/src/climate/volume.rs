@@ -7,13 +7,16 @@
 //! δp = (δRM·T0 + (RM0 + δRM)·δT)/V,   RM = Σ m·R                              (the gauge identity of p·V = m·R·T)
 //! ```
 //!
-//! Outflow carries the volume's state at the step's start (upwind). Where more would pass in a step than the volume
-//! holds, its storage counts as larger by 1/φ: every new fraction and temperature is then a convex combination of old
-//! ones, whatever the step. What that keeps from being stored is booked as owed; φ is shown.
+//! Outflow carries the volume's state at the step's start (upwind). Where γ times what passes in a step is more than
+//! the volume holds, only the share φ of it exchanges with the volume: at constant mass every new fraction and
+//! temperature is then a convex combination of old ones, whatever the step. Mass itself is stored in full, or as far as
+//! the flow method's own φ says: pressure then moves as that method expects. What is not stored is booked as owed; φ is
+//! shown.
 //!
 //! Valid while the volume is mixed: [`Readings::mixed`] says when it no longer is.
 
 use super::medium::{LIQUID, Medium, PARTS, Parts, VAPOUR, dot};
+use super::stream::Stream;
 use crate::element::{ParameterError, Reason};
 use crate::{Fingerprint, Node, NodeKind, math, moist};
 
@@ -80,6 +83,9 @@ impl Volume {
     }
 }
 
+/// Largest ratio of specific heats of what flows, that of nitrogen and oxygen: what passes carries `c_p`·θ, what rests
+/// holds `c_v`·θ.
+pub(super) const GAMMA: f32 = 1.4;
 /// Figures that a volume stores: masses of all parts, energy, and one that stays 0, so that rows fill whole vectors.
 pub(super) const STORED: usize = PARTS + 2;
 /// Place of the energy among them.
@@ -132,21 +138,66 @@ impl Constants<'_> {
         *figures = [theta, pressure, self.volume.start_kg, 0.0, 0.0, 1.0];
     }
 
-    /// Stores what arrived, and derives fractions, temperature and pressure. Returns the gauge pressure [Pa] of a gas
-    /// volume; `None` for what is held or liquid, whose pressure is the flow method's alone.
+    /// What of the row `net` is stored, and φ of the exchange, where more passes in a step than the volume of `figures`
+    /// and `fractions` holds. First the volume fills with the mean of what comes or drains of its own, in full, so that
+    /// pressure answers as the flow method expects; then the rest of what passes exchanges with it at constant mass, as
+    /// far as its new state stays between the old one and that of what comes. Free water does not pass.
+    #[cold]
+    fn part(&self, net: &Stored, figures: &Figures, fractions: &Parts) -> (Stored, f32) {
+        let [theta, _, mass, _, outward, _] = *figures;
+        let medium = self.medium;
+        let water = net[LIQUID] * (medium.flowing_j_kg_k[LIQUID] * theta - medium.latent_j_kg);
+        let mut gas = *net;
+        gas[LIQUID] = 0.0;
+        gas[ENERGY] -= water;
+        let gained: f32 = gas.iter().take(LIQUID).sum();
+        let brought = gained + outward;
+        let own = unit(fractions, theta, medium);
+        let comes = math::each(&gas, &own, |net, own| (net + outward * own) / brought);
+        let mut stored = if gained > 0.0 { comes } else { own }.map(|row| gained * row);
+        let (mut filled, mut filling) = ([0.0; PARTS], [0.0; PARTS]);
+        for place in 0..LIQUID {
+            filling[place] = stored[place];
+            filled[place] = mass * fractions[place] + stored[place];
+        }
+        let sum: f32 = filled.iter().sum();
+        let work = stored[ENERGY] - dot(&filling, &medium.resting_j_kg_k) * theta
+            + dot(&filling, &medium.offset_j_kg);
+        let theta = theta + work / dot(&filled, &medium.resting_j_kg_k);
+        let passes = GAMMA * math::smaller(brought, outward);
+        let through = if passes > sum { sum / passes } else { 1.0 };
+        if passes > 0.0 && sum > 0.0 {
+            let own = unit(&filled.map(|part| part / sum), theta, medium);
+            let exchanged = through * passes / GAMMA;
+            for ((stored, comes), own) in stored.iter_mut().zip(comes).zip(own) {
+                *stored += exchanged * (comes - own);
+            }
+        }
+        stored[LIQUID] = net[LIQUID];
+        stored[ENERGY] += water;
+        (stored, through)
+    }
+
+    /// Stores what arrived, of which the flow method stores the share `slowed`, and derives fractions, temperature and
+    /// pressure. Returns the gauge pressure [Pa] of a gas volume; `None` for what is held or liquid, whose pressure is
+    /// the flow method's alone.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
-    pub(super) fn update(&self, held: &mut Held<'_>) -> Option<f32> {
-        let [theta, pressure, mass, inward, outward, phi] = held.figures;
-        let passed = math::larger(*inward, *outward);
-        *phi = if passed > *mass { *mass / passed } else { 1.0 };
-        (*inward, *outward) = (0.0, 0.0);
-        if *phi < 1.0 {
-            store_part(held.value, held.carry, held.net, held.lost, *phi);
-            store_part(held.owed, held.owed_carry, held.net, held.lost, 1.0 - *phi);
+    pub(super) fn update(&self, held: &mut Held<'_>, slowed: f32) -> Option<f32> {
+        let [_, _, mass, inward, outward, _] = *held.figures;
+        let mut through = 1.0;
+        if GAMMA * math::larger(inward, outward) > mass || slowed < 1.0 {
+            let slow = |row: f32| slowed * row;
+            let [theta, pressure, mass, inward, outward, phi] = *held.figures;
+            let figures = [theta, pressure, mass, slow(inward), slow(outward), phi];
+            let stored;
+            (stored, through) = self.part(&held.net.map(slow), &figures, held.fractions);
+            store_part(held, &stored);
         } else {
             store(held.value, held.carry, held.net, held.lost);
         }
+        let [theta, pressure, mass, inward, outward, phi] = held.figures;
+        (*inward, *outward, *phi) = (0.0, 0.0, slowed * through);
         (*held.net, *held.lost) = ([0.0; STORED], [0.0; STORED]);
         if self.node.kind == NodeKind::Boundary {
             return None;
@@ -194,6 +245,13 @@ impl Constants<'_> {
     }
 }
 
+/// A kilogram of what flows out of a volume.
+fn unit(fractions: &Parts, theta: f32, medium: &Medium) -> Stored {
+    let stream = Stream::of(1.0, fractions, theta, medium);
+    let [a, b, c, d, e, f] = stream.mass_kg;
+    [a, b, c, d, e, f, stream.energy_j, 0.0]
+}
+
 /// Adds what arrived.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
@@ -202,12 +260,15 @@ fn store(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored) {
     math::compensated_add_row(value, carry, net);
 }
 
-/// Adds the share `part` of what arrived.
+/// Adds the part `stored` of what arrived; the rest is owed.
 #[cold]
-fn store_part(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored, part: f32) {
-    for place in 0..STORED {
-        carry[place] += part * lost[place];
-        math::compensated_add(&mut value[place], &mut carry[place], part * net[place]);
+fn store_part(held: &mut Held<'_>, stored: &Stored) {
+    for (place, stored) in stored.iter().enumerate() {
+        let (mut rest, mut lost) = (held.net[place], held.lost[place]);
+        math::exact_add(&mut rest, &mut lost, -stored);
+        math::compensated_add(&mut held.value[place], &mut held.carry[place], *stored);
+        held.owed_carry[place] += lost;
+        math::compensated_add(&mut held.owed[place], &mut held.owed_carry[place], rest);
     }
 }
 
@@ -217,13 +278,25 @@ pub(super) fn evaporated_kg(
     volume: &Volume,
     figures: &Figures,
     fractions: &Parts,
+    medium: &Medium,
     reference_k: f32,
     step_s: f32,
 ) -> f32 {
     let [theta, pressure, mass, ..] = *figures;
     let vapour = partial_pressure_pa(VAPOUR, fractions, pressure);
-    let deficit = moist::saturation_pressure_pa(reference_k + theta) - vapour;
-    math::smaller(volume.surface_kg_s_pa * deficit * step_s, mass * fractions[LIQUID])
+    let temperature = reference_k + theta;
+    let saturation = moist::saturation_pressure_pa(temperature);
+    // Solved implicitly, so that no step passes equilibrium: a kilogram raises the vapour's pressure by R_v·T/V and cools
+    // what it comes from, and with it saturation, by L/(m·c_v)·dp_s/dT (Clausius and Clapeyron).
+    let latent = moist::evaporation_enthalpy_j_kg(temperature);
+    let gas = super::medium::GAS_CONSTANTS_J_KG_K[VAPOUR];
+    let cooled = latent / (gas * temperature);
+    let heat = dot(fractions, &medium.resting_j_kg_k);
+    let per_kg = (gas * pressure / dot(fractions, &medium.gas_j_kg_k)
+        + saturation * cooled * latent / (temperature * heat))
+        / mass;
+    let rate = volume.surface_kg_s_pa * step_s;
+    math::smaller(rate * (saturation - vapour) / (1.0 + rate * per_kg), mass * fractions[LIQUID])
 }
 
 /// Partial pressure of a part [Pa] from mass fractions.

@@ -111,7 +111,8 @@ pub(crate) fn start<E: Element>(
     let mut work = Work::of(network, work);
     for (node, figures) in network.nodes.iter().zip(work.nodes.iter_mut()) {
         let (start, per_mass) = (node.start_gauge_pa, node.pressure_per_mass_pa_kg());
-        *figures = [start, 0.0, 0.0, 0.0, start, per_mass, h * per_mass / THETA, 1.0];
+        let stiffness = h * per_mass * network.climate.stiffening(node);
+        *figures = [start, 0.0, 0.0, 0.0, start, per_mass, stiffness / THETA, 1.0];
     }
     let mut specials = (0u32..).zip(work.specials.iter_mut());
     let rows = state.lines.iter_mut().zip(work.laws.iter_mut());

@@ -107,7 +107,8 @@ pub(crate) fn start<E: Element>(
     for (index, (node, [junction, _])) in network.nodes.iter().zip(state.junctions).enumerate() {
         *junction = node.start_gauge_pa;
         let per_mass = node.pressure_per_mass_pa_kg();
-        let capacity = if per_mass > 0.0 { 1.0 / (per_mass * tau) } else { 0.0 };
+        let rise = per_mass * network.climate.isentropic(node);
+        let capacity = if rise > 0.0 { 1.0 / (rise * tau) } else { 0.0 };
         for (column, value) in [
             (&mut work.pressure, node.start_gauge_pa),
             (&mut work.per_mass, per_mass),

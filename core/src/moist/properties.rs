@@ -5,6 +5,7 @@
 //! liquid water 4.186 kJ/(kg·K). Valid for 0…60 °C within 0.3 % of a real-gas formulation.
 
 use super::ZERO_CELSIUS_K;
+use crate::math;
 
 /// Molar mass of water over that of dry air [1].
 pub const MOLAR_RATIO: f32 = 0.622;
@@ -18,10 +19,10 @@ const VAPOUR_HEAT_J_KG_K: f32 = 1_860.0;
 const EVAPORATION_J_KG: f32 = 2_501e3;
 
 /// Returns mass of water per mass of dry air [kg/kg] at the vapour's pressure [Pa, below half the total] and the
-/// total pressure [Pa].
+/// total pressure [Pa]; a large number, never a negative one, where water boils and there is no dry air left.
 #[inline]
 pub fn humidity_ratio(vapour_pa: f32, pressure_pa: f32) -> f32 {
-    MOLAR_RATIO * vapour_pa / (pressure_pa - vapour_pa)
+    MOLAR_RATIO * vapour_pa / math::larger(pressure_pa - vapour_pa, 1e-3 * vapour_pa)
 }
 
 /// Returns the vapour's pressure [Pa] of air with `humidity_ratio` [kg/kg, ≥ 0] at `pressure_pa` [Pa].
@@ -77,6 +78,17 @@ mod tests {
             "humidity ratio {ratio:.1e}, back {back:.1e}, enthalpy {enthalpy:.2e}, {evaporation:.2e} J/kg"
         );
         assert!(ratio < 3e-7 && back < 3e-7 && enthalpy < 0.05 && evaporation < 0.3);
+    }
+
+    #[test]
+    fn water_that_boils_has_no_negative_humidity_ratio() {
+        let mut last = 0.0;
+        for step in 0..=400 {
+            let ratio = humidity_ratio(872.0, 2_000.0 - 5.0 * step as f32);
+            assert!(ratio >= last, "{step}: {ratio}");
+            last = ratio;
+        }
+        assert!(last > 100.0);
     }
 
     #[test]

@@ -61,12 +61,16 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
             let at = climate::Stepped { step_s: h, inputs, given };
-            let gauge = |node: usize, gauge_pa: f32| {
-                if let Some(pressure) = self.buffers.pressures.get_mut(node) {
+            // Puts φ where it is read.
+            self.buffers.show(network, work);
+            let stride = settings.method.node_stride();
+            let flow = |node: usize, gauge_pa: Option<f32>| {
+                if let (Some(gauge_pa), Some(pressure)) = (gauge_pa, self.buffers.pressures.get_mut(node)) {
                     *pressure = gauge_pa;
                 }
+                settings.method.meet(work.get_mut(node * stride..).unwrap_or(&mut []), gauge_pa)
             };
-            place = place.or(climate::step(network, at, climate_state, climate_work, gauge));
+            place = place.or(climate::step(network, at, climate_state, climate_work, flow));
         }
         self.shown = false;
         simulator.count(settings, margin, place)

@@ -105,6 +105,9 @@ fn volume(node: &NodeEntry, path: &str, notes: &mut Notes) -> Volume {
         let vapour = entry.dew_point_k.map_or(0.0, saturation_pa);
         let [carbon_dioxide, trace] =
             [entry.carbon_dioxide_pa, entry.trace_pa].map(|part| part.unwrap_or(0.0));
+        if entry.dew_point_k.is_some_and(|dew_point| dew_point > node.temperature_k) {
+            notes.refuse_at(path, &["dew_point_k"], "the dew point lies above `temperature_k`");
+        }
         let dry = node.pressure_pa - vapour - carbon_dioxide - trace;
         let oxygen = entry.oxygen_pa.unwrap_or(OXYGEN_SHARE * dry);
         let nitrogen = dry - oxygen;
@@ -340,9 +343,13 @@ impl Lowering<'_, '_> {
         if let Some(index) = self.climate.exchanger_names.iter().position(|name| name == id) {
             return (what == "air_outlet").then_some(Measure::AirOutlet(index as u32));
         }
-        let node = self.file.nodes.iter().position(|node| node.id == id)? as u32;
+        let node = self.file.nodes.iter().position(|node| node.id == id)?;
+        let air = self.climate.volumes.get(node)?.contents == Contents::Air;
+        let node = node as u32;
         match what {
             "temperature" => Some(Measure::Temperature(node)),
+            // Of coolant a sensor knows no more.
+            _ if !air => None,
             "dew_point" => Some(Measure::DewPoint(node)),
             "relative_humidity" => Some(Measure::RelativeHumidity(node)),
             "total_pressure" => Some(Measure::Pressure(node)),
@@ -357,6 +364,11 @@ impl Lowering<'_, '_> {
             let help = "measured are <node>.temperature, .dew_point, .relative_humidity, .total_pressure, .oxygen and \
                         other parts, and <condenser>.air_outlet";
             self.notes.refuse_with(span, format!("there is nothing `{}` to measure", entry.measures), help);
+        }
+        let setpoint = format!("{}.setpoint", entry.id);
+        let scheduled = self.file.schedules.iter().any(|schedule| schedule.input == setpoint);
+        if !scheduled && !entry.starts.contains_key("setpoint") {
+            self.notes.refuse_at(path, &["setpoint", "id"], "`setpoint` is missing, and no schedule sets it");
         }
         let first_input = self.inputs(&entry.id, &ControlLoop::INPUTS, &entry.starts, path);
         let mut slot = |key: &'static str, name: &str, values: &[f64]| {
