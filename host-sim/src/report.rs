@@ -1,13 +1,15 @@
 //! The whole validation as one HTML file that opens from disk: figures, tables, budgets, costs, conservation.
 //!
-//! Whatever can be computed in a minute is computed when the report is made; what takes other people's solvers or an
+//! Whatever can be computed in a minute or two is computed when the report is made; what takes other people's solvers or an
 //! emulator is taken from the project's documents. Each figure and each table names the command that makes it.
 
+mod climate;
 mod conservation;
 mod cost;
 mod documents;
 mod drawings;
 mod experiment;
+mod hardware;
 mod html;
 mod maps;
 mod transients;
@@ -23,6 +25,8 @@ pub struct Contents {
     pub sizes: Vec<usize>,
     /// Plant time of the ledgers [s].
     pub ledger_s: u32,
+    /// Plant time of the day of a module [s].
+    pub day_s: u32,
     /// Openings and steps of a stability map.
     pub map: (usize, usize),
 }
@@ -30,7 +34,7 @@ pub struct Contents {
 impl Contents {
     /// Everything, as it is promised.
     pub fn whole() -> Self {
-        Self { sizes: eclss_bench::PAPER_SIZES.to_vec(), ledger_s: 600, map: (50, 25) }
+        Self { sizes: eclss_bench::PAPER_SIZES.to_vec(), ledger_s: 600, day_s: 86_400, map: (50, 25) }
     }
 }
 
@@ -53,6 +57,9 @@ pub fn report(contents: &Contents, progress: &Progress) -> Result<String, Failur
     maps::write(&mut page, &source, contents.map)?;
     progress.say("physical transients");
     transients::write(&mut page)?;
+    progress.say("condenser");
+    climate::write(&mut page, contents.day_s, progress)?;
+    hardware::write(&mut page);
     progress.say("ledgers");
     conservation::write(&mut page, contents.ledger_s)?;
     progress.say("costs");

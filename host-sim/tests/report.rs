@@ -9,7 +9,7 @@ use eclss_host_sim::report::{Contents, report};
 fn page() -> &'static str {
     static PAGE: OnceLock<String> = OnceLock::new();
     PAGE.get_or_init(|| {
-        let contents = Contents { sizes: vec![20, 40], ledger_s: 3, map: (12, 5) };
+        let contents = Contents { sizes: vec![20, 40], ledger_s: 3, day_s: 120, map: (12, 5) };
         report(&contents, &Progress::hidden()).unwrap_or_else(|failure| panic!("{failure}"))
     })
 }
@@ -73,9 +73,27 @@ fn what_was_promised_is_in_it() {
         "Gershgorin",
         "networks/station.toml",
         "0 with it",
+        "networks/thcs.toml",
+        "air at 75 °F, not fitted: largest error",
+        "turned over",
+        "largest h·c·G",
+        "tr-bdf2, linear hold",
+        "0.6180",
+        "a tick late",
+        "chain-1100",
     ] {
         assert!(page().contains(part), "{part}");
     }
+    // The condenser where it was not fitted: 36 points, each within the bar of its own test.
+    let tables = between(page(), "<table", "</table>");
+    let table = tables.iter().find(|table| table.contains(">0.625 / ")).expect("60 °F at 450 cfm");
+    let pairs: Vec<(f64, f64)> = between(table, "<td class=\"number\">", "</td>")
+        .iter()
+        .filter_map(|cell| cell.split_once(" / "))
+        .map(|(printed, ours)| (printed.parse().unwrap(), ours.parse().unwrap()))
+        .collect();
+    assert_eq!(pairs.len(), 36);
+    assert!(pairs.iter().all(|(printed, ours)| (ours / printed - 1.0).abs() <= 0.051), "{pairs:?}");
     // The reference of P at 11.1 s, where it runs backward, and an error below the bar beside it.
     let row = between(page(), "<td class=\"number\">11.1 s</td>", "</tr>")[0];
     assert!(row.contains("−3.3856"), "{row}");

@@ -5,7 +5,8 @@ use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 use super::html::Html;
 
 /// Title, file, text.
-const DOCUMENTS: [(&str, &str, &str); 2] = [
+const DOCUMENTS: [(&str, &str, &str); 3] = [
+    ("Hardware in the loop on a host", "docs/hil-host.md", include_str!("../../../docs/hil-host.md")),
     ("Budgets", "docs/budgets.md", include_str!("../../../docs/budgets.md")),
     ("Validation", "docs/validation.md", include_str!("../../../docs/validation.md")),
 ];

@@ -42,7 +42,7 @@ pub(super) fn write(page: &mut Html, source: &Source, progress: &Progress) -> Re
         "Settled flow in single precision against the fixed point in closed form: a smaller step is not worse.",
         COMMAND,
     );
-    page.paragraph(&GUARD.replace('`', ""));
+    page.paragraph(&format!("A proof named {}", GUARD.replace('`', "\"")));
     for picture in pictures(&results) {
         page.figure(&picture.svg, about(&picture.file), COMMAND);
     }

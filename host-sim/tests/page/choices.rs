@@ -13,8 +13,10 @@ fn another_network_is_chosen_and_the_page_follows() {
     let (plant, browser) = opened("paper.toml");
     let count = browser.run("return document.querySelectorAll('#network option').length");
     assert_eq!(count, 7, "the one asked for and the six that ship");
-    for (keys, node, title) in [("networks/st", "#n9", "Station"), ("networks/th", "#n6", "Temperature")] {
-        browser.press("#network", keys);
+    for (choice, node, title) in
+        [("networks/station", "#n9", "Station"), ("networks/thcs", "#n6", "Temperature")]
+    {
+        browser.choose("#network", choice);
         browser.wait(
             "it is drawn",
             &format!(

@@ -42,7 +42,7 @@ fn a_failed_scrubber_raises_co2_beyond_its_limit_and_the_page_says_so() {
     let edges = "const edge = id => getComputedStyle(document.querySelector(id + ' rect')).stroke; return edge('#n0') !== edge('#n4')";
     assert_eq!(browser.run(edges), true);
     for (unit, co2, temperature) in [("mmHg", "mmHg", "°F"), ("kPa", "kPa", "°C")] {
-        browser.press("#units", unit);
+        browser.choose("#units", unit);
         browser.wait(
             unit,
             &format!(
@@ -57,7 +57,7 @@ fn a_failed_scrubber_raises_co2_beyond_its_limit_and_the_page_says_so() {
         );
         browser.wait("and over the charts", &format!("return document.querySelector('#temperature-caption').textContent.includes('[{temperature}]')"));
     }
-    browser.press("#units", "mm");
+    browser.choose("#units", "mm");
     // A coolant's flow is no volume of air.
     let coolant =
         "return [...document.querySelectorAll('text')].filter(t => t.textContent.endsWith('lb/h')).length";

@@ -110,6 +110,16 @@ impl Browser {
         self.post(&format!("/element/{id}/value"), &json!({"text": keys}));
     }
 
+    /// Chooses the option of a list by what it says.
+    pub(crate) fn choose(&self, selector: &str, option: &str) {
+        let script = format!(
+            "const list = document.querySelector('{selector}');
+             const option = [...list.options].find(one => one.textContent.startsWith('{option}'));
+             list.value = option.value; list.dispatchEvent(new Event('change')); return true"
+        );
+        assert_eq!(self.run(&script), Value::Bool(true));
+    }
+
     /// Clicks the element of `selector`.
     pub(crate) fn click(&self, selector: &str) {
         let found = self.post("/element", &json!({"using": "css selector", "value": selector}));
