@@ -39,9 +39,13 @@ fn get(address: SocketAddr, path: &str) -> Vec<u8> {
 }
 
 fn post(address: SocketAddr, body: &str) -> Vec<u8> {
+    post_to(address, "/command", body)
+}
+
+fn post_to(address: SocketAddr, path: &str, body: &str) -> Vec<u8> {
     let length = body.len();
     format!(
-        "POST /command HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nContent-Type: application/json\r\n\
+        "POST {path} HTTP/1.1\r\nHost: {address}\r\nOrigin: http://{address}\r\nContent-Type: application/json\r\n\
          Content-Length: {length}\r\n\r\n{body}"
     )
     .into_bytes()
@@ -62,7 +66,7 @@ impl Dice {
 /// A request that nobody should answer with more than a refusal.
 fn hostile(dice: &mut Dice, address: SocketAddr) -> Vec<u8> {
     let line = |head: &str| format!("GET / HTTP/1.1\r\nHost: {address}\r\n{head}\r\n\r\n").into_bytes();
-    match dice.below(14) {
+    match dice.below(17) {
         0 => line(&format!("X: {}", "a".repeat(9_000 + dice.below(60_000)))),
         1 => line(&"X: 1\r\n".repeat(60 + dice.below(200))),
         2 => get(address, &format!("/{}", "a/".repeat(5_000 + dice.below(20_000)))),
@@ -129,6 +133,29 @@ fn hostile(dice: &mut Dice, address: SocketAddr) -> Vec<u8> {
             ];
             starts[dice.below(starts.len())].as_bytes().to_vec()
         }
+        13 => {
+            let bodies = [
+                "{\"network\":99}",
+                "{\"network\":-1}",
+                "{\"network\":\"/etc/passwd\"}",
+                "{\"network\":0,\"file\":\"a\"}",
+            ];
+            post_to(address, "/networks", bodies[dice.below(bodies.len())])
+        }
+        14 => {
+            let names = ["a", "../a", "/etc/cron.d/a", ".profile", "a\\u0000", "a/../b", "~/a"];
+            post_to(address, "/recording", &format!("{{\"file\":\"{}\"}}", names[dice.below(names.len())]))
+        }
+        15 => {
+            // One request after another, and two ways to say where a body ends.
+            let twice = [get(address, "/"), get(address, "/")].concat();
+            let text = String::from_utf8(post(address, "{\"do\":\"pause\",\"on\":true}")).unwrap();
+            let both = text.replace("Content-Length", "Transfer-Encoding: chunked\r\nContent-Length");
+            let lengths = text.replace("Content-Length", "Content-Length: 5\r\nContent-Length");
+            let folded = text.replace("Origin", "X: a\r\n b\r\nOrigin");
+            vec![twice, both.into_bytes(), lengths.into_bytes(), folded.into_bytes()]
+                .swap_remove(dice.below(4))
+        }
         _ => (0..dice.below(12_000)).map(|_| dice.below(256) as u8).collect(),
     }
 }
@@ -159,7 +186,7 @@ fn a_thousand_hostile_requests_are_refused_and_our_own_page_is_served_meanwhile(
         }
     }
     println!("{seen:?}");
-    for wanted in [400, 403, 404, 413, 415, 421, 431] {
+    for wanted in [400, 403, 404, 413, 415, 421, 431, 501] {
         assert!(seen.contains_key(&Some(wanted)), "{wanted} was never the answer: {seen:?}");
     }
     assert!(publisher.command().is_none(), "none of them reached the plant");

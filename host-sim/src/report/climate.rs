@@ -189,7 +189,7 @@ fn day(page: &mut Html, day_s: u32) -> Result<(), Failure> {
             "Levels: limits of NASA-STD-3001 vol. 2, quoted second hand; for CO2 it is that of an hour's mean.".into(),
         ],
     };
-    let command = "eclss-rt run networks/thcs.toml --plot DIR --csv FILE";
+    let command = "eclss-rt run networks/thcs.toml";
     page.figure(
         &figure.svg(),
         "Four people, equipment, control of temperature, pressure and oxygen.",
@@ -206,13 +206,13 @@ fn day(page: &mut Html, day_s: u32) -> Result<(), Failure> {
 }
 
 fn row(ledger: &Ledger) -> [String; 5] {
-    let unit = ledger.unit;
     let part = ledger.gap().abs() / ledger.turned_over.max(f64::MIN_POSITIVE);
+    let (unit, factor) = if ledger.unit == "J" { ("MJ", 1e-6) } else { (ledger.unit, 1.0) };
     [
         ledger.name.replace('_', " "),
-        format!("{} {unit}", fixed(ledger.supplied, 4)),
-        format!("{} {unit}", fixed(ledger.turned_over, 4)),
-        format!("{} {unit}", scientific(ledger.gap(), 1)),
+        format!("{} {unit}", fixed(ledger.supplied * factor, 4)),
+        format!("{} {unit}", fixed(ledger.turned_over * factor, 4)),
+        format!("{} {unit}", scientific(ledger.gap() * factor, 1)),
         if ledger.turned_over > 0.0 { scientific(part, 1) } else { "nothing moved".into() },
     ]
 }

@@ -46,7 +46,7 @@ pub(super) fn write(page: &mut Html) {
     page.table(
         ["delay [ticks]", a, b, c, d, e],
         &rows,
-        "Largest h·c·G with which the loop is stable. The first column is 2·sin(π/(2·(2d + 1))).",
+        "Largest h·c·G with which the loop is stable. That of adaptive is 2·sin(π/(2·(2d + 1))).",
         COMMAND,
     );
     let mut panel = Panel::new(

@@ -20,6 +20,8 @@ figure .picture svg { max-width: 100%; height: auto; display: block; margin: 0 a
 figcaption { margin-top: 6px; }
 code { font-size: 13px; background: #8882; padding: 1px 5px; border-radius: 4px; }
 pre { background: #8882; padding: 10px; overflow-x: auto; }
+pre code { background: none; padding: 0; }
+th.number { text-align: right; }
 .command { color: #667; font-size: 13px; }
 @media (prefers-color-scheme: dark) { .command { color: #99a; } }
 ";
@@ -92,19 +94,17 @@ impl Html {
         self.tables += 1;
         let number = self.tables;
         self.push(format_args!("<div class=\"scroll\"><table id=\"t{number}\"><thead><tr>"));
-        for cell in head {
-            self.push(format_args!("<th scope=\"col\">{}</th>", escaped(cell)));
+        for (place, cell) in head.iter().enumerate() {
+            // Over a column of numbers it stands right as they do.
+            let over = rows.iter().any(|row| is_number(&row[place]));
+            let class = if over { " class=\"number\"" } else { "" };
+            self.push(format_args!("<th scope=\"col\"{class}>{}</th>", escaped(cell)));
         }
         self.push(format_args!("</tr></thead><tbody>\n"));
         for row in rows {
             self.push(format_args!("<tr>"));
             for cell in row {
-                let plain = cell.trim_start_matches(['+', '−', '-', '≤', ' ']);
-                let class = if plain.starts_with(|first: char| first.is_ascii_digit()) {
-                    " class=\"number\""
-                } else {
-                    ""
-                };
+                let class = if is_number(cell) { " class=\"number\"" } else { "" };
                 self.push(format_args!("<td{class}>{}</td>", escaped(cell)));
             }
             self.push(format_args!("</tr>\n"));
@@ -132,6 +132,12 @@ impl Html {
              <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n"
         )
     }
+}
+
+/// Whether a cell begins as a number does.
+fn is_number(cell: &str) -> bool {
+    let plain = cell.trim_start_matches(['+', '−', '-', '≤', ' ']);
+    plain.starts_with(|first: char| first.is_ascii_digit())
 }
 
 fn made_by(command: &str) -> String {

@@ -147,7 +147,8 @@ pub(super) fn answer(
     body: &[u8],
     whole: bool,
 ) -> io::Result<()> {
-    let mut bytes = head(status, kind, Some(body.len())).into_bytes();
+    // An answer without content has no length either.
+    let mut bytes = head(status, kind, (status != 204).then_some(body.len())).into_bytes();
     if whole {
         bytes.extend_from_slice(body);
     }

@@ -145,10 +145,14 @@ fn parse(head: &[u8], own: SocketAddr) -> Result<(Request, usize), Refusal> {
 /// address. A name that someone registered is never ours.
 fn is_own_host(host: &str, own: SocketAddr) -> bool {
     let (name, port) = match host.rsplit_once(':') {
-        Some((name, port)) if !port.contains(']') => (name, port.parse().ok()),
+        // A sign is no part of a port, though it is one of a number.
+        Some((name, port)) if port.bytes().all(|byte| byte.is_ascii_digit()) => (name, port.parse().ok()),
         _ => (host, Some(80)),
     };
-    let address = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>().ok();
+    let address = match name.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+        Some(inside) => inside.parse().map(IpAddr::V6).ok(),
+        None => name.parse().map(IpAddr::V4).ok(),
+    };
     let named = match address {
         Some(address) => !own.ip().is_loopback() || address.is_loopback(),
         None => name.eq_ignore_ascii_case("localhost"),
@@ -186,6 +190,13 @@ mod tests {
             ("GET / HTTP/1.1\r\nHost: evil.example:8000\r\n\r\n".into(), 421),
             ("GET / HTTP/1.1\r\nHost: localhost:80\r\n\r\n".into(), 421),
             ("GET / HTTP/1.1\r\nHost: 10.0.0.1:8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: [[127.0.0.1]]:8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: [127.0.0.1]:8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: ::1:8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: 127.0.0.1:+8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: 127.0.0.1:\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: localhost.:8000\r\n\r\n".into(), 421),
+            ("GET / HTTP/1.1\r\nHost: a@127.0.0.1:8000\r\n\r\n".into(), 421),
             (with("Host: localhost:8000"), 400),
             (with("Origin: http://evil.example"), 403),
             (with("Origin: null"), 403),
