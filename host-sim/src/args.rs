@@ -334,6 +334,9 @@ pub(crate) struct ReportArgs {
     /// Equations of the chains whose cost is measured, separated by commas; those of the paper's figure when absent.
     #[arg(long, value_name = "SIZES", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub(crate) sizes: Vec<u32>,
+    /// Hours of the module's day that are run, 1 to 24.
+    #[arg(long, value_name = "HOURS", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=24))]
+    pub(crate) hours: u32,
 }
 
 /// Arguments of `serve`.

@@ -13,6 +13,7 @@ pub(super) fn run(args: &ReportArgs, out: &mut dyn Write) -> Result<(), Failure>
     if !args.sizes.is_empty() {
         contents.sizes = args.sizes.iter().map(|size| *size as usize).collect();
     }
+    contents.day_s = args.hours * 3_600;
     let progress = Progress::new(crate::paper::Experiment::work());
     let page = report(&contents, &progress)?;
     progress.finish();

@@ -13,6 +13,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use driver::Browser;
+use eclss_network_file::generate::{Shape, generate};
 use plant::Plant;
 
 /// Frames shown so far.
@@ -191,27 +192,36 @@ const OVERLAPS: &str = "
   return found";
 
 #[test]
-fn pictures_of_a_loop_a_station_and_a_climate_light_and_dark_have_nothing_overlapping() {
+fn pictures_of_loops_stations_and_a_climate_light_and_dark_wide_and_narrow_have_nothing_overlapping() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
     std::fs::create_dir_all(&folder).unwrap();
-    for network in ["paper", "station", "thcs"] {
-        let (plant, browser) = opened(&format!("{network}.toml"));
-        if network == "paper" {
+    // Twelve modules, a supply and an exhaust.
+    let twelve = folder.join("mesh.toml");
+    std::fs::write(&twelve, generate(Shape::Mesh, 14, 1).unwrap().to_toml()).unwrap();
+    let twelve = twelve.display().to_string();
+    for network in ["paper.toml", "station.toml", "thcs.toml", "hil.toml", &twelve] {
+        let (plant, browser) = opened(network);
+        if network == "paper.toml" {
             browser.press("#scenario", "by");
         }
         browser.press("#speed", "× 10");
         sleep(Duration::from_secs(3));
-        for scheme in ["light", "dark"] {
+        for (scheme, width) in [("light", 1440), ("dark", 1440), ("light", 800)] {
             browser.prefer(scheme);
+            browser.devtools(
+                "Emulation.setDeviceMetricsOverride",
+                &serde_json::json!({"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false}),
+            );
             for units in ["kPa", "mmHg"] {
-                browser.press("#units", units);
+                browser.choose("#units", units);
                 sleep(Duration::from_millis(400));
                 let found = browser.run(OVERLAPS);
-                assert_eq!(found, serde_json::json!([]), "{network}, {scheme}, {units}");
+                assert_eq!(found, serde_json::json!([]), "{network}, {scheme}, {width} px, {units}");
             }
-            browser.press("#units", "kPa");
+            browser.choose("#units", "kPa");
             sleep(Duration::from_millis(400));
-            let path = folder.join(format!("{network}_{scheme}.png"));
+            let name = Path::new(network).file_stem().unwrap().display();
+            let path = folder.join(format!("{name}_{scheme}_{width}.png"));
             let picture = browser.picture();
             assert!(picture.len() > 20_000, "a picture of something");
             std::fs::write(&path, picture).unwrap();
@@ -228,7 +238,7 @@ fn the_report_opens_from_disk_and_asks_nobody() {
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("report.html");
     let made = std::process::Command::new(env!("CARGO_BIN_EXE_eclss-rt"))
-        .args(["report", "--sizes", "20,40", "-o"])
+        .args(["report", "--sizes", "20,40", "--hours", "1", "-o"])
         .arg(&file)
         .output()
         .unwrap();
