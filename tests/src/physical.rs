@@ -38,17 +38,12 @@ impl Ringing {
         if self.0 == Drain::Signed || flow > 0.0 { DRAIN } else { 0.0 }
     }
 
-    fn resistance(t_s: f64, element: usize) -> f64 {
-        RESISTANCES.get(element).copied().unwrap_or_else(|| paper::valve_resistance(paper::opening(t_s)))
-    }
-}
-
-impl Equations for Ringing {
-    fn order(&self) -> usize {
-        11
+    fn resistance(opening: f64, element: usize) -> f64 {
+        RESISTANCES.get(element).copied().unwrap_or_else(|| paper::valve_resistance(opening))
     }
 
-    fn rates(&self, t_s: f64, x: &[f64], rates: &mut [f64]) {
+    /// Writes f(x) with the valve at `opening` [1], wherever it comes from.
+    pub fn rates_at(self, opening: f64, x: &[f64], rates: &mut [f64]) {
         let (pressure, flow) = x.split_at(5);
         for behind in 0..5 {
             let mut net = flow[behind] - flow[behind + 1];
@@ -61,12 +56,13 @@ impl Equations for Ringing {
             let before = if element == 0 { 0.0 } else { pressure[element - 1] };
             let after = if element == 5 { 0.0 } else { pressure[element] };
             let head = if element == 1 { FAN_HEAD_PA } else { 0.0 };
-            let loss = Self::resistance(t_s, element) * flow[element] * flow[element].abs();
+            let loss = Self::resistance(opening, element) * flow[element] * flow[element].abs();
             rates[5 + element] = (before - after + head - loss) / INERTANCE;
         }
     }
 
-    fn slope_along(&self, t_s: f64, x: &[f64], v: &[f64], out: &mut [f64]) {
+    /// Writes ∂f/∂x·`v` with the valve at `opening` [1].
+    pub fn slope_at(self, opening: f64, x: &[f64], v: &[f64], out: &mut [f64]) {
         let flow = &x[5..];
         for behind in 0..5 {
             let mut net = v[5 + behind] - v[6 + behind];
@@ -78,9 +74,23 @@ impl Equations for Ringing {
         for element in 0..6 {
             let before = if element == 0 { 0.0 } else { v[element - 1] };
             let after = if element == 5 { 0.0 } else { v[element] };
-            let slope = 2.0 * Self::resistance(t_s, element) * flow[element].abs();
+            let slope = 2.0 * Self::resistance(opening, element) * flow[element].abs();
             out[5 + element] = (before - after - slope * v[5 + element]) / INERTANCE;
         }
+    }
+}
+
+impl Equations for Ringing {
+    fn order(&self) -> usize {
+        11
+    }
+
+    fn rates(&self, t_s: f64, x: &[f64], rates: &mut [f64]) {
+        self.rates_at(paper::opening(t_s), x, rates);
+    }
+
+    fn slope_along(&self, t_s: f64, x: &[f64], v: &[f64], out: &mut [f64]) {
+        self.slope_at(paper::opening(t_s), x, v, out);
     }
 
     fn scale(&self, index: usize) -> f64 {
