@@ -103,7 +103,7 @@ fn exact(step_us: u32, late_s: f64) -> Vec<f64> {
 ///
 /// A held sample is late by half a tick on the mean. The prototype's was late by √2/4 of a tick more, because at the
 /// begin of a step it still had the sample before, and the trapezoidal stage has that weight there: its figures are
-/// those of a delay of 0.854 and 1.854 ticks, ours those of 0.5 and 1.5. Continued to the valve's end stop, a sample
+/// those of a delay of 0.854 and 1.854 ticks, ours those of 0.5 and 1.5. `holds_stated` makes its table row by row. Continued to the valve's end stop, a sample
 /// costs nothing at all; without one it overshoots the stop by a tick's change.
 #[test]
 fn the_table_of_holds() {
