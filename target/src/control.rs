@@ -384,11 +384,12 @@ mod tests {
             self.steps = [0.0];
         }
         fn apply(&mut self, _channel: usize, _slot: u32, _applied: Applied) {}
-        fn set(&mut self, _slot: u32, _value: f32) -> bool {
-            false
+        /// Slot 0 is free, slot 1 follows a schedule.
+        fn set(&mut self, slot: u32, value: f32) -> bool {
+            slot == 0 && (0.0..=1.0).contains(&value)
         }
-        fn input(&self, _slot: u32) -> Option<f32> {
-            None
+        fn input(&self, slot: u32) -> Option<f32> {
+            (slot < 2).then_some(0.5)
         }
         fn point(&self, _point: Point) -> f32 {
             self.steps[0]
@@ -511,6 +512,26 @@ mod tests {
         assert_eq!(causes(&events), [(1, Cause::Lag { lag_us: 3_000 }), (13, Cause::Lag { lag_us: 3_000 })]);
         let Some(Event::Ended { account, .. }) = events.last() else { panic!("no end") };
         assert_eq!((account.lag_us(), plant.steps[0] as usize), (10_000, 9));
+    }
+
+    /// What drives itself can be asked for, and is not there to be set.
+    #[test]
+    fn a_parameter_is_set_told_or_not_there() {
+        let mut plant = Counting { steps: [0.0], breaks_at: 9.0 };
+        let (machine, was, trust) = (Machine::new(), Mode::PowerUp, Ok(()));
+        let mut state = Loop { machine, was, trust, ready: false, lag_us: 0, stood_us: 0 };
+        let mut ask = |command| state.command(command, &mut plant, &mut Coupling::none());
+        let cases = [
+            (0, 0.7, Outcome::Value(0.7)),
+            (0, 1.7, Outcome::OutOfRange),
+            (0, f32::NAN, Outcome::OutOfRange),
+        ];
+        let cases = cases.into_iter().chain([1, 2].map(|slot| (slot, 0.5, Outcome::NoSuchParameter)));
+        for (parameter, value, outcome) in cases {
+            assert_eq!(ask(Command::Set { parameter, value }), outcome, "{parameter} to {value}");
+        }
+        assert_eq!(ask(Command::Get { parameter: 1 }), Outcome::Value(0.5));
+        assert_eq!(ask(Command::Get { parameter: 2 }), Outcome::NoSuchParameter);
     }
 
     /// What a broken plant computed never reaches the outputs.
