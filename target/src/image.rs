@@ -164,8 +164,10 @@ pub fn write<'b>(
 pub fn check(loaded: &eclss_network_file::Loaded) -> Result<(), std::string::String> {
     let process = &loaded.process;
     let names = process.inputs.iter().map(|entry| &entry.name);
-    let names: std::vec::Vec<&str> =
-        names.chain(process.outputs.iter().map(|entry| &entry.name)).map(|name| name.as_str()).collect();
+    let names: std::vec::Vec<&str> = names
+        .chain(process.outputs.iter().map(|entry| &entry.name))
+        .map(std::string::String::as_str)
+        .collect();
     if !names.is_empty() {
         return Err(std::format!(
             "binds {} to hardware, and an image carries no channels: compile it in with ECLSS_NETWORK, or take the \
