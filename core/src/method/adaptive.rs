@@ -2,7 +2,7 @@
 //!
 //! The series elements of a line combine in closed form: with `y = p_from − p_to + f` and the line's sums ΣR,
 //! ΣL of quadratic and linear resistance, `w = G·y` with the secant conductance
-//! `G = 2/(ΣL + √(ΣL² + 4·ΣR·max(|y|, y_s)))`, y_s = y_lin + ΣL·√(y_lin/ΣR). Nodes are the real volumes:
+//! `G = 2/(ΣL + √(ΣL² + 4·ΣR·max(|y|, y_s)))`, `y_s = y_lin + ΣL·√(y_lin/ΣR)`. Nodes are the real volumes:
 //!
 //! ```text
 //! p_i += φ_i·h·c_i·Σw        φ_i = min(1, θ/(h·c_i·ΣG)),  c_i = Rg·T/V,  θ = 0.8
