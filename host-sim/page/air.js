@@ -60,17 +60,16 @@ export class Air {
     return value === null || value === undefined ? NaN : value + (what === "pressure" ? this.network.reference_pa : 0);
   }
 
-  /** Ids of the rooms in which a limit is exceeded. */
+  /** Shows the chosen room; returns its id where a limit is exceeded. Others may be ducts, where nobody breathes. */
   show(frame) {
     const out = new Set();
     const chosen = element("room").value;
-    for (const { id } of this.rooms) {
+    for (const { id } of this.rooms.filter((room) => room.id === chosen)) {
       this.lines().forEach(([what, name, unit, [least, most]], number) => {
         const value = this.value(frame, id, what);
         const low = least !== null && value < least;
         const high = most !== null && value > most;
         if (low || high) out.add(id);
-        if (id !== chosen) return;
         const row = this.rows[number];
         const shown = unit();
         const text = (cell, words) => { if (cell.textContent !== words) cell.textContent = words; };

@@ -63,7 +63,7 @@ async function choices(network) {
   const names = await load("/networks", "json");
   const list = element("network");
   element("networks").hidden = names.length === 0;
-  list.replaceChildren(...names.map((name, number) => new Option(number ? name : `${name.replace(/^copy of | inside this program$/g, "").split("/").slice(-2).join("/")} (as begun)`, String(number))));
+  list.replaceChildren(...names.map((name, number) => new Option(number ? name : `${name.replace(/^copy of | inside this program$/g, "").split("/").slice(-2).join("/")} (given)`, String(number))));
   // The first is the one that was asked for when the server began; others come out of the program.
   list.value = String(Math.max(0, names.findIndex((name, number) => number > 0 && network.source === `copy of ${name} inside this program`)));
   if (network.source === names[0]) list.value = "0";

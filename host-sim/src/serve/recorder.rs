@@ -84,7 +84,7 @@ impl Recorder {
                 "a file's name is up to 64 letters, digits, - _ and ., and does not begin with a point",
             );
         }
-        let name = if name.ends_with(".csv") { name.clone() } else { format!("{name}.csv") };
+        let name = format!("{}.csv", name.strip_suffix(".csv").unwrap_or(name));
         let mut now = self.now();
         if now.file.is_some() {
             return Err("a recording runs already");
