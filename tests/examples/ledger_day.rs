@@ -1,7 +1,8 @@
 //! The mass ledger over a day, with every method that keeps running: the paper's loop with a dynamic cabin of 60 m³,
 //! the valve closing to 2 % and staying there; and open, with a supply that makes up for what is drained.
 //!
-//! `cargo run --release -p eclss-tests --example ledger_day -- [HOURS] [STEP_US]`, 24 hours and 1000 µs when absent.
+//! `cargo run --release -p eclss-tests --example ledger_day -- [HOURS] [STEP_US] [METHOD …]`, 24 hours, 1000 µs and all
+//! methods when absent.
 //! A day of a method takes one to a few minutes of one processor; every line is printed as soon as it is known.
 
 use std::process::ExitCode;
@@ -17,7 +18,10 @@ fn main() -> ExitCode {
     let argument = |index| std::env::args().nth(index).and_then(|text: String| text.parse().ok());
     let (hours, step_us) = (argument(1).unwrap_or(24.0), argument(2).unwrap_or(1_000.0));
     let until_us = (3.6e9 * hours) as u64;
-    let methods = Method::ALL.into_iter().filter(|method| *method != Method::Euler);
+    let named = |method: &Method| std::env::args().any(|word| word == method.name());
+    let any = Method::ALL.iter().any(named);
+    let methods =
+        Method::ALL.into_iter().filter(|method| *method != Method::Euler && (!any || named(method)));
     let cases = [("closing", closing()), ("supplied", supplied())];
     println!(
         "{hours} h at {step_us} µs: what is missing, as part of the total mass; ≤ {MOST:.0e} is promised"
