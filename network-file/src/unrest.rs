@@ -90,7 +90,7 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
     }
     for nodes in islands_without_boundary(&network) {
         for (index, source) in loaded.climate.sources.iter().enumerate() {
-            let gas_kg_s = gas_kg_s(source, &loaded.inputs);
+            let gas_kg_s = gas_kg_s(*source, &loaded.inputs);
             let holds = network.nodes.get(source.node as usize).map(|node| node.kind);
             let of_gas = matches!(holds, Some(NodeKind::Cabin { .. }));
             if !of_gas || !nodes.contains(&source.node) || gas_kg_s.abs() < f64::MIN_POSITIVE {
@@ -114,7 +114,7 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
 }
 
 /// What a source adds to the gas of its node at these inputs [kg/s]; liquid water and heat are none.
-fn gas_kg_s(source: &Source, inputs: &[f32]) -> f64 {
+fn gas_kg_s(source: Source, inputs: &[f32]) -> f64 {
     let first = source.first_input as usize;
     let gases = first + 1..first + Source::INPUTS.len() - 1;
     inputs.get(gases).unwrap_or(&[]).iter().map(|value| f64::from(*value)).sum()
