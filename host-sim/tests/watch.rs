@@ -54,7 +54,7 @@ fn watched(
     let bench = watch::Job {
         settings: plant.settings,
         link: link(false),
-        duration: Some(Duration::from_millis(3_000)),
+        duration: Some(Duration::from_secs(3)),
         arm,
         record,
         page: None,

@@ -2,6 +2,7 @@
 
 mod housekeeping;
 mod summary;
+mod wiring;
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -13,11 +14,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Waker};
 use std::time::Duration;
 
-use eclss_core::Settings;
-use eclss_core::process::{Image, InputState, Order as OutputOrder, OutputState, Process};
-use eclss_core::protocol::{Config, Estimate, Link as Session, Role};
+use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
+use eclss_core::protocol::{Estimate, Link as Session, Role};
+use eclss_core::{Settings, Simulator};
 use eclss_target::control::{self, Event};
-use eclss_target::coupling::{Coupling, LinkReport, link_counts};
+use eclss_target::coupling::{Coupling, LinkReport};
 use eclss_target::plant::Plant as _;
 use rtrb::{Consumer, Producer, RingBuffer};
 
@@ -25,19 +26,20 @@ use super::board::{Measured, Order, Pc, Stall, note};
 use super::handover::{Giver, Layout, ring};
 use super::loopback::{LoopbackFigures, Probe};
 use super::pace::Pace;
-use super::page::{Page, catalogue};
 use super::plant::HostPlant;
 use super::realtime::{Wishes, become_real_time};
-use super::recorder::{self, Recorder, Trigger};
+use super::recorder::Trigger;
 use super::report::{ChannelFigures, Report};
 use super::shot::Camera;
 use super::tap::Tap;
 use crate::refusal::refused;
 use crate::trace::Column;
 use crate::{Failure, HostBuffers, Source};
-use eclss_target::wire::{Address, Link, LinkCounts, open, pair};
+use eclss_target::wire::{Address, Link, LinkCounts, open};
 use housekeeping::Housekeeping;
 use summary::{Seen, cause, channels, report};
+pub(super) use wiring::open_recorder;
+use wiring::{channel_names, config, open_page, open_tester, with_image};
 
 /// Time of rows for which there is room between loop and recorder [s].
 const ROOM_S: u64 = 4;
@@ -133,6 +135,11 @@ struct Ends {
     orders: Consumer<Order>,
     link: Option<Link>,
     camera: Option<Camera>,
+    /// What is recorded of a tick, and how many inputs there are.
+    columns: Vec<Column>,
+    slots: usize,
+    /// This run's number for its session.
+    nonce: u32,
 }
 
 /// Runs `job` on `source`; what happens meanwhile is written to `out`.
@@ -163,20 +170,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |since| since.as_nanos() as u64);
     let toml = loaded.file.to_toml();
-    let open_recorder = |wishes: &RecordWishes| {
-        Recorder::new(&recorder::Order {
-            folder: &wishes.folder,
-            names: &names,
-            every: wishes.every,
-            triggers: &wishes.triggers,
-            before: wishes.around.0,
-            after: wishes.around.1,
-            epoch_ns,
-            network: &toml,
-            start: &start,
-        })
-    };
-    let recorder = job.record.as_ref().map(open_recorder).transpose()?;
+    let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start)?;
     let rows = (ROOM_S * 1_000_000 / u64::from(job.settings.step_us).max(1)).clamp(1_024, MOST_ROWS);
     let (giver, taker) = if recorder.is_some() {
         let (giver, taker) = ring(layout, rows as usize);
@@ -188,59 +182,21 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     let (link, keeper) = job.link.as_ref().map(open).transpose().map_err(broken)?.unzip();
     let (events, events_out) = RingBuffer::new(EVENTS);
     let (orders_in, orders) = RingBuffer::new(EVENTS);
-    let (link, tester) = match &job.loopback {
-        None => (link, None),
-        Some(Loopback::Inside) => {
-            let (ours, testers) = pair().map_err(broken)?;
-            (Some(ours), Some((testers, None)))
-        }
-        Some(Loopback::Over(address)) => {
-            let (testers, keeper) = open(address).map_err(broken)?;
-            (link, Some((testers, Some(keeper))))
-        }
-    };
-    let (mut page, mut camera) = (None, None);
-    if let Some(address) = job.page {
-        let catalogue = catalogue(source, job.settings, "this computer, with hardware")?;
-        let values = catalogue.values.len();
-        let served = Page::new(source, catalogue, job.settings, address)?;
-        if job.shows {
-            // Who does not read our output does not stop hardware.
-            let _ = writeln!(out, "page http://{}/", served.address());
-        }
-        let (shutter, album) = served.camera(source, values);
-        (page, camera) = (Some((served, album)), Some(shutter));
-    }
-    let names = Names::of(source, probe.as_ref());
+    let (link, tester) = open_tester(job.loopback.as_ref(), link).map_err(broken)?;
+    let (page, camera) = open_page(source, job, out)?;
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
-    let ends = Ends { giver, events, orders, link, camera };
+    let slots = layout.inputs;
+    let ends = Ends { giver, events, orders, link, camera, columns, slots, nonce: epoch_ns as u32 | 1 };
     let tested = AtomicBool::new(false);
     let started = std::time::Instant::now();
     let outcome = std::thread::scope(|scope| -> Result<Outcome, Failure> {
-        let thread = std::thread::Builder::new().name("loop".into()).spawn_scoped(scope, || {
-            with_image(source, probe.as_ref(), |image| {
-                let mut states = (
-                    vec![InputState::new(0.0); image.inputs.len()],
-                    vec![OutputState::new(0.0); image.outputs.len()],
-                );
-                let step_s = job.settings.step_us as f32 * 1e-6;
-                let process = Process::new(image, step_s, &mut states.0, &mut states.1)
-                    .map_err(|error| Failure::Failed(format!("the process image: {error:?}")))?;
-                let config = config(&image, simulator.network_id(), job.settings.step_us, Role::Plant);
-                let session = ends.link.is_some().then(|| Session::new(config, epoch_ns as u32 | 1));
-                let coupling = Coupling::new(process, step_s, session);
-                let tap = Tap::new(columns, layout.inputs, ends.giver, ends.camera);
-                let plant = HostPlant::new(simulator, &tap);
-                let latched = image.order == OutputOrder::Latched;
-                let armable = (image.is_bound() && ends.link.is_some(), latched);
-                let board = Pc::new(&tap, ends.link, ends.orders, armable, job.stall);
-                in_thread(job, board, plant, coupling, &tap, ends.events, &names.0)
-            })
-        });
+        let thread = std::thread::Builder::new()
+            .name("loop".into())
+            .spawn_scoped(scope, || loop_thread(source, job, probe.as_ref(), simulator, ends));
         let thread = thread.map_err(|error| Failure::Failed(format!("cannot start the loop: {error}")))?;
         let tester = tester.zip(probe.as_ref()).map(|((link, keeper), probe)| {
             let config = with_image(source, Some(probe), |image| {
-                config(&image, loaded.network().id(), job.settings.step_us, Role::Controller)
+                config(&image, network.id(), job.settings.step_us, Role::Controller)
             });
             let (probe, tested) = (probe.clone(), &tested);
             scope.spawn(move || {
@@ -255,7 +211,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
         }
         housekeeping.turn();
         tested.store(true, Ordering::Release);
-        let loopback = tester.map(|tester| tester.join()).transpose();
+        let loopback = tester.map(std::thread::ScopedJoinHandle::join).transpose();
         let outcome = thread.join().unwrap_or_else(|_| Err(Failure::Failed("the loop panicked".into())))?;
         let loopback = loopback.map_err(|_| Failure::Failed("the tester panicked".into()))?;
         Ok(Outcome { loopback, ..outcome })
@@ -269,32 +225,32 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     Ok(report(source, job, &outcome, seen, wall_s))
 }
 
-/// Names of the channels of the image that runs, inputs first.
-struct Names(Vec<String>);
-
-impl Names {
-    fn of(source: &Source, probe: Option<&Probe>) -> Self {
-        let process = &source.loaded.process;
-        let inputs = process.inputs.iter().map(|entry| entry.name.clone());
-        let outputs = process.outputs.iter().map(|entry| entry.name.clone());
-        let added = probe.map(|probe| format!("{} (loopback)", probe.name));
-        Self(inputs.chain(outputs).chain(added).collect())
-    }
-}
-
-/// Lends the process image that runs.
-fn with_image<T>(source: &Source, probe: Option<&Probe>, take: impl FnOnce(Image<'_>) -> T) -> T {
-    let process = &source.loaded.process;
-    match probe {
-        None => process.with_image(take),
-        Some(probe) => probe.with_image(process, take),
-    }
-}
-
-/// What both ends of the link agree on.
-fn config(image: &Image<'_>, network_id: u64, step_us: u32, role: Role) -> Config {
-    let (inputs, outputs) = link_counts(image);
-    Config { role, network_id, process_id: image.id(), step_us, inputs, outputs, ..Config::default() }
+/// Builds the loop in its own thread and runs it.
+fn loop_thread(
+    source: &Source,
+    job: &Job,
+    probe: Option<&Probe>,
+    simulator: Simulator<'_>,
+    ends: Ends,
+) -> Result<Outcome, Failure> {
+    with_image(source, probe, |image| {
+        let mut states = (
+            vec![InputState::new(0.0); image.inputs.len()],
+            vec![OutputState::new(0.0); image.outputs.len()],
+        );
+        let step_s = job.settings.step_us as f32 * 1e-6;
+        let process = Process::new(image, step_s, &mut states.0, &mut states.1)
+            .map_err(|error| Failure::Failed(format!("the process image: {error:?}")))?;
+        let config = config(&image, simulator.network_id(), job.settings.step_us, Role::Plant);
+        let session = ends.link.is_some().then(|| Session::new(config, ends.nonce));
+        let coupling = Coupling::new(process, step_s, session);
+        let tap = Tap::new(ends.columns, ends.slots, ends.giver, ends.camera);
+        let plant = HostPlant::new(simulator, &tap);
+        let latched = image.order == OutputOrder::Latched;
+        let armable = (image.is_bound() && ends.link.is_some(), latched);
+        let board = Pc::new(&tap, ends.link, ends.orders, armable, job.stall);
+        in_thread(job, board, plant, coupling, &tap, ends.events, &channel_names(source, probe))
+    })
 }
 
 /// Everything is allocated: from here to the end of the loop nothing is.

@@ -20,13 +20,13 @@ use eclss_core::Settings;
 use eclss_core::mode::{Mode, Request};
 use eclss_core::protocol::{Command, Config, Link as Session, Role};
 use eclss_target::coupling::{LinkReport, link_counts};
-use eclss_target::wire::{Address, open};
+use eclss_target::wire::{Address, Link, open};
 
 use super::handover::{Head, Row};
 use super::page::{self, Page};
-use super::recorder::{self, Recorder};
+use super::recorder::Recorder;
 use super::report::{LinkFigures, RecordFigures};
-use super::runner::RecordWishes;
+use super::runner::{RecordWishes, open_recorder};
 use crate::{Failure, Source};
 use console::Console;
 use desk::Desk;
@@ -72,153 +72,174 @@ pub fn watch(source: &Source, job: &Job, out: &mut dyn Write) -> Result<WatchRep
             source.name
         )));
     }
-    let broken = |error: std::io::Error| Failure::BadInput(error.to_string());
-    let (mut link, _keeper) = open(&job.link).map_err(broken)?;
+    let (link, _keeper) = open(&job.link).map_err(|error| Failure::BadInput(error.to_string()))?;
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let epoch_ns = since.map_or(0, |since| since.as_nanos() as u64);
+    let desk = Desk::new(loaded, job.settings.step_us);
+    let columns = desk.columns();
+    let recorder = open_recorder(job.record.as_ref(), &columns, epoch_ns, &loaded.file.to_toml(), &[])?;
+    let page = open_page(source, job, out)?;
+    let row = Row { figures: vec![f32::NAN; columns.len()], ..Row::default() };
+    let session = Session::new(config(source, job.settings.step_us), epoch_ns as u32 | 1);
+    let console = Console::new(loaded, job.shows);
+    let begun = Instant::now();
+    let mut bench = Bench { link, session, desk, console, recorder, page, row, begun, tick: 0 };
+    bench.run(job, out)?;
+    bench.end(source, job)
+}
+
+/// What both ends of the link agree on.
+fn config(source: &Source, step_us: u32) -> Config {
+    let loaded = &source.loaded;
     let (inputs, outputs) = loaded.process.with_image(|image| link_counts(&image));
-    let config = Config {
+    Config {
         role: Role::Controller,
         network_id: loaded.network().id(),
         process_id: loaded.process.id(),
-        step_us: job.settings.step_us,
+        step_us,
         inputs,
         outputs,
         ..Config::default()
-    };
-    let mut session = Session::new(config, epoch_ns as u32 | 1);
-    let mut desk = Desk::new(loaded, job.settings.step_us);
-    let mut console = Console::new(loaded, job.shows);
-    let mut recorder = recorder(job, &desk.columns(), epoch_ns, &loaded.file.to_toml())?;
-    let mut page = page(source, job, out)?;
-    let begun = Instant::now();
-    let (mut unasked, mut framed, mut lined) = (begun, begun, begun);
-    let mut bytes = [0; 2_048];
-    let mut row = Row { figures: vec![f32::NAN; desk.columns().len()], ..Row::default() };
-    let mut tick = 0;
-    while job.duration.is_none_or(|duration| begun.elapsed() < duration) && !job.ends.load(Ordering::Relaxed)
-    {
-        let now_us = begun.elapsed().as_micros() as u64;
-        let mut asked = false;
-        loop {
-            let length = link.read(&mut bytes);
-            if length == 0 {
-                break;
-            }
-            for frame in bytes[..length].split_inclusive(|byte| *byte == 0) {
-                session.feed(frame, now_us);
-                if session.take_data().is_none() {
-                    continue;
-                }
-                asked = true;
-                let received = session.newest();
-                if let Some((from, text)) = desk.take(received) {
-                    console.say(out, &format!("{from} → {text}"));
-                    event(&mut recorder, now_us, received.tick, &text)?;
-                }
-                let head = Head {
-                    tick: received.tick,
-                    plant_tick: received.tick,
-                    begun_us: now_us,
-                    skipped: desk.missing(),
-                    mode: received.data.mode as u8,
-                    ..Head::default()
-                };
-                row.head = head;
-                desk.figures(&mut row.figures);
-                if let Some(recorder) = &mut recorder {
-                    recorder.row(&row)?;
-                }
-            }
-        }
-        console.acknowledged(out, &mut session);
-        if let Some(orders) = &job.orders
-            && console.orders(out, orders, &mut desk)
-        {
-            break;
-        }
-        let now = Instant::now();
-        if asked || now >= unasked {
-            unasked = now + Duration::from_micros(UNASKED_TICKS * u64::from(job.settings.step_us));
-            console.command(&mut session);
-            tick += 1;
-            desk.send(&mut session, tick, now_us);
-        }
-        let taken = link.write(session.outgoing());
-        session.sent(taken);
-        if now >= framed {
-            framed = now + FRAME;
-            if job.arm && desk.mode() == Mode::Ready && !session.is_commanding() {
-                session.command(Command::Mode(Request::Arm));
-            }
-            if let Some((page, places)) = &mut page {
-                let report = report_of(&session);
-                let round_trip = session.clock().estimate().map(|clock| clock.round_trip_us);
-                page.publish(|frame| desk.show(frame, places, page::wire(&report, round_trip)));
-            }
-        }
-        if now >= lined {
-            lined = now + LINE;
-            console.line(out, &desk, &session);
-        }
-        std::thread::sleep(LOOK);
-    }
-    let wall_s = begun.elapsed().as_secs_f64();
-    let record = recorder.map(|recorder| finish(recorder, &desk)).transpose()?;
-    let clock = session.clock();
-    let figures = LinkFigures {
-        round_trip_us: clock.estimate().map(|clock| clock.round_trip_us),
-        peer_offset_us: clock.estimate().map(|clock| clock.offset_us),
-        peer_drift_ppm: clock.drift_ppb().map(|ppb| ppb as f64 / 1e3),
-        ..LinkFigures::new(job.link.to_string(), link.counts(), session.is_connected(), session.counters())
-    };
-    Ok(desk.report(source, wall_s, figures, session.refused(), record))
-}
-
-fn report_of(session: &Session) -> LinkReport {
-    LinkReport {
-        connected: session.is_connected(),
-        counters: *session.counters(),
-        sent: session.sent_packets(),
-        silence: session.silence_ticks(),
     }
 }
 
-fn recorder(job: &Job, names: &[String], epoch_ns: u64, network: &str) -> Result<Option<Recorder>, Failure> {
-    let open = |wishes: &RecordWishes| {
-        Recorder::new(&recorder::Order {
-            folder: &wishes.folder,
-            names,
-            every: wishes.every,
-            triggers: &wishes.triggers,
-            before: wishes.around.0,
-            after: wishes.around.1,
-            epoch_ns,
-            network,
-            start: &[],
-        })
-    };
-    job.record.as_ref().map(open).transpose()
-}
+/// A page, and where its values stand at the desk.
+type Shown = (Page, Vec<Option<usize>>);
 
-/// The page, and where its values stand at the desk.
-fn page(
-    source: &Source,
-    job: &Job,
-    out: &mut dyn Write,
-) -> Result<Option<(Page, Vec<Option<usize>>)>, Failure> {
+fn open_page(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Option<Shown>, Failure> {
     let Some(address) = job.page else { return Ok(None) };
     let catalogue = page::catalogue(source, job.settings, "a board, watched")?;
     let places = desk::places(&source.loaded, &catalogue.values);
     let page = Page::new(source, catalogue, job.settings, address)?;
     if job.shows {
+        // Who does not read our output does not stop the bench.
         let _ = writeln!(out, "page http://{}/", page.address());
     }
     Ok(Some((page, places)))
 }
 
-fn event(recorder: &mut Option<Recorder>, now_us: u64, tick: u64, text: &str) -> Result<(), Failure> {
-    recorder.as_mut().map_or(Ok(()), |recorder| recorder.event(now_us, tick, text))
+/// The bench at work.
+struct Bench {
+    link: Link,
+    session: Session,
+    desk: Desk,
+    console: Console,
+    recorder: Option<Recorder>,
+    page: Option<Shown>,
+    row: Row,
+    begun: Instant,
+    tick: u64,
+}
+
+impl Bench {
+    fn now_us(&self) -> u64 {
+        self.begun.elapsed().as_micros() as u64
+    }
+
+    fn run(&mut self, job: &Job, out: &mut dyn Write) -> Result<(), Failure> {
+        let (mut unasked, mut framed, mut lined) = (self.begun, self.begun, self.begun);
+        let patience = Duration::from_micros(UNASKED_TICKS * u64::from(job.settings.step_us));
+        let goes_on = |begun: Instant| job.duration.is_none_or(|duration| begun.elapsed() < duration);
+        while goes_on(self.begun) && !job.ends.load(Ordering::Relaxed) {
+            let asked = self.read(out)?;
+            self.console.acknowledged(out, &mut self.session);
+            if let Some(orders) = &job.orders
+                && self.console.orders(out, orders, &mut self.desk)
+            {
+                break;
+            }
+            let now = Instant::now();
+            if asked || now >= unasked {
+                unasked = now + patience;
+                self.console.command(&mut self.session);
+                self.tick += 1;
+                let now_us = self.now_us();
+                self.desk.send(&mut self.session, self.tick, now_us);
+            }
+            let taken = self.link.write(self.session.outgoing());
+            self.session.sent(taken);
+            if now >= framed {
+                framed = now + FRAME;
+                if job.arm && self.desk.mode() == Mode::Ready && !self.session.is_commanding() {
+                    self.session.command(Command::Mode(Request::Arm));
+                }
+                self.show();
+            }
+            if now >= lined {
+                lined = now + LINE;
+                self.console.line(out, &self.desk, &self.session);
+            }
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+
+    /// Takes what has come, packet by packet; returns whether data were among it.
+    fn read(&mut self, out: &mut dyn Write) -> Result<bool, Failure> {
+        let mut bytes = [0; 2_048];
+        let mut asked = false;
+        loop {
+            let length = self.link.read(&mut bytes);
+            if length == 0 {
+                return Ok(asked);
+            }
+            for frame in bytes[..length].split_inclusive(|byte| *byte == 0) {
+                let now_us = self.now_us();
+                self.session.feed(frame, now_us);
+                if self.session.take_data().is_some() {
+                    asked = true;
+                    self.packet(now_us, out)?;
+                }
+            }
+        }
+    }
+
+    fn packet(&mut self, now_us: u64, out: &mut dyn Write) -> Result<(), Failure> {
+        let received = self.session.newest();
+        if let Some((from, to)) = self.desk.take(received) {
+            let text = format!("{from} → {to}");
+            self.console.say(out, &text);
+            if let Some(recorder) = &mut self.recorder {
+                recorder.event(now_us, received.tick, &text)?;
+            }
+        }
+        self.row.head = Head {
+            tick: received.tick,
+            plant_tick: received.tick,
+            begun_us: now_us,
+            skipped: self.desk.missing(),
+            mode: received.data.mode as u8,
+            ..Head::default()
+        };
+        self.desk.figures(&mut self.row.figures);
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.row(&self.row))
+    }
+
+    fn show(&mut self) {
+        let Some((page, places)) = &mut self.page else { return };
+        let report = LinkReport {
+            connected: self.session.is_connected(),
+            counters: *self.session.counters(),
+            sent: self.session.sent_packets(),
+            silence: self.session.silence_ticks(),
+        };
+        let round_trip = self.session.clock().estimate().map(|clock| clock.round_trip_us);
+        page.publish(|frame| self.desk.show(frame, places, page::wire(&report, round_trip)));
+    }
+
+    fn end(self, source: &Source, job: &Job) -> Result<WatchReport, Failure> {
+        let wall_s = self.begun.elapsed().as_secs_f64();
+        let record = self.recorder.map(|recorder| finish(recorder, &self.desk)).transpose()?;
+        let (clock, session) = (self.session.clock(), &self.session);
+        let counts = self.link.counts();
+        let figures = LinkFigures {
+            round_trip_us: clock.estimate().map(|clock| clock.round_trip_us),
+            peer_offset_us: clock.estimate().map(|clock| clock.offset_us),
+            peer_drift_ppm: clock.drift_ppb().map(|ppb| ppb as f64 / 1e3),
+            ..LinkFigures::new(job.link.to_string(), counts, session.is_connected(), session.counters())
+        };
+        Ok(self.desk.report(source, wall_s, figures, session.refused(), record))
+    }
 }
 
 fn finish(recorder: Recorder, desk: &Desk) -> Result<RecordFigures, Failure> {

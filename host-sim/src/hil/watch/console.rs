@@ -68,7 +68,7 @@ impl Console {
             match parse(line) {
                 Some(Order::Quit) => return true,
                 Some(Order::Mode(request)) => {
-                    self.waiting.push_back((Command::Mode(request), line.to_owned()))
+                    self.waiting.push_back((Command::Mode(request), line.to_owned()));
                 }
                 Some(Order::Set(name, value)) => match (desk.set(&name, value), self.slot(&name)) {
                     (Some(Ok(())), _) => self.say(out, &format!("{line}: on its way")),
