@@ -132,7 +132,7 @@ impl Capture {
             return Captured::Nothing;
         };
         self.captures += 1;
-        self.left = self.after.max(1);
+        self.left = self.after;
         let rows = self.before.drain(..).chain([row.clone()]).collect();
         Captured::Begins { number: self.captures, by, rows }
     }
@@ -203,6 +203,17 @@ mod tests {
         }
         assert_eq!(taken, [7, 8, 9, 10, 11, 12, 27, 28, 29, 30, 31, 32]);
         assert_eq!(capture.captures(), 2);
+        // Nothing around it: the row that pulled, alone, each time.
+        let mut capture = Capture::new(&["p>1".parse().unwrap()], &names, 0, 0).unwrap();
+        let rows = (0..8).map(|tick| capture.add(&row(tick, if tick % 4 == 2 { 2.0 } else { 0.0 })));
+        let begun: Vec<usize> = rows
+            .filter_map(|taken| match taken {
+                Captured::Nothing => None,
+                Captured::Begins { rows, .. } => Some(rows.len()),
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(begun, [1, 1]);
         assert!(Capture::new(&["q>1".parse().unwrap()], &names, 3, 2).is_err());
     }
 }

@@ -313,7 +313,7 @@ impl Desk {
             tick: self.newest.0,
             packets: self.packets,
             missing: self.missing_in_all,
-            mode: self.mode.name(),
+            mode: if self.packets == 0 { "unknown" } else { self.mode.name() },
             cause: self.cause(),
             refused: refused.map(|reason| format!("{reason:?}")),
             channels: inputs.chain(outputs).collect(),

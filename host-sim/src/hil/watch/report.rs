@@ -27,7 +27,7 @@ pub struct WatchReport {
     pub packets: u64,
     /// Ticks between them of which none came.
     pub missing: u64,
-    /// Mode at the end.
+    /// Mode at the end; `unknown` where no packet came.
     pub mode: &'static str,
     /// Why it is SAFE, where it is.
     pub cause: Option<&'static str>,
