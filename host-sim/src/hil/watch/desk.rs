@@ -10,6 +10,9 @@ use super::report::{WatchReport, WatchedChannel};
 use crate::Source;
 use crate::serve::feed::{Frame, Hardware, Value, Wire};
 
+/// Packets that may be under way: what is sent faster than the board takes it only grows old in a queue.
+const UNDER_WAY: u32 = 8;
+
 /// An input of the plant, which the bench drives.
 #[derive(Debug)]
 struct Driven {
@@ -223,8 +226,12 @@ impl Desk {
         self.outputs.iter().take(4).map(one).collect()
     }
 
-    /// Moves the inputs on their way and sends them.
+    /// Moves the inputs on their way and sends them, unless the board is behind with what was sent before.
     pub(super) fn send(&mut self, session: &mut Session, tick: u64, now_us: u64) {
+        if session.under_way() > UNDER_WAY {
+            session.send_quiet_tick(tick, now_us);
+            return;
+        }
         self.raw.clear();
         for driven in &mut self.inputs {
             let way = driven.wanted - driven.value;

@@ -64,7 +64,7 @@ pub fn write_watch(out: &mut dyn Write, report: &WatchReport) -> io::Result<()> 
     writeln!(out, "board           tick {}, {rate}", report.tick)?;
     writeln!(
         out,
-        "process data    {} packets in {:.3} s, none of {} ticks between",
+        "process data    {} packets in {:.3} s; of {} ticks between none came",
         report.packets, report.wall_s, report.missing
     )?;
     if let Some(reason) = &report.refused {
