@@ -1,14 +1,15 @@
 //! Fits the three conductance figures of the condensing heat exchanger to the rows at 67 °F of its effectiveness
 //! table, by both readings of the effectiveness, and shows how the rows at 75 °F then come out.
 //!
-//! `cargo run --release -p eclss-core --example fit_condenser`
+//! `cargo run --release -p eclss-core --example fit_condenser [sensitivity]`; the word asks instead what the coil does
+//! at other coolant flows, with `U_c` held at other values.
 
 #[allow(dead_code, reason = "shared with a test that reads more of it")]
 #[path = "../tests/support/effectiveness.rs"]
 mod effectiveness;
 
 use eclss_core::climate::condenser::Condenser;
-use effectiveness::{AT_67_F, AT_75_F, AtRest, errors, largest_and_mean};
+use effectiveness::{AT_67_F, AT_75_F, AtRest, Inlet, at_rest, errors, largest_and_mean};
 
 /// ln `U_a`, m, ln `U_c`.
 type Point = [f64; 3];
@@ -69,7 +70,50 @@ fn minimise(start: Point, size: Point, mut f: impl FnMut(&Point) -> f64) -> Poin
     simplex[0].1
 }
 
+/// Refits `U_a` and m for other `U_c` and shows the misfit and what the coil then does away from the table.
+fn sensitivity() {
+    let inlets = [18.0f32, 22.0, 26.0].map(|air_c| {
+        [0.074f32, 0.110, 0.145].map(|coolant_kg_s| Inlet {
+            air_k: 273.15 + air_c,
+            dew_point_k: 273.15 + 10.0,
+            air_m3_s: 0.15,
+            coolant_k: 277.5,
+            coolant_kg_s,
+        })
+    });
+    println!(
+        "heat [W] at 0.15 m³/s, dew point 10 °C, coolant 277.5 K; air at 18, 22, 26 °C, each with 74, 110, 145 g/s"
+    );
+    for coolant_w_k in [2_000.0f64, 4_000.0, 9_527.0, 20_000.0, 100_000.0] {
+        let point = minimise([490f64.ln(), 0.57, coolant_w_k.ln()], [0.1, 0.05, 0.0], |point| {
+            if (0.0..=1.0).contains(&point[1]) {
+                misfit(point, |rest| rest.by_temperature)
+            } else {
+                f64::INFINITY
+            }
+        });
+        let fitted = condenser(&point);
+        let [at_67, at_75] = [(67.0, &AT_67_F), (75.0, &AT_75_F)]
+            .map(|(air_f, rows)| largest_and_mean(&errors(&fitted, air_f, rows, |rest| rest.by_temperature)));
+        let heats = inlets.map(|row| row.map(|inlet| at_rest(&fitted, inlet, 1_500, 0.2)));
+        let text: Vec<_> = heats.iter().flatten().map(|rest| format!("{:.0}", rest.coolant_w)).collect();
+        println!(
+            "  U_c {coolant_w_k:.0}: U_a {:.1}, m {:.4}; 67 °F {:.2} %, {:.2} %; 75 °F {:.2} %, {:.2} %; {}",
+            fitted.air_w_k,
+            fitted.air_exponent,
+            100.0 * at_67.0,
+            100.0 * at_67.1,
+            100.0 * at_75.0,
+            100.0 * at_75.1,
+            text.join(" ")
+        );
+    }
+}
+
 fn main() {
+    if std::env::args().any(|word| word == "sensitivity") {
+        return sensitivity();
+    }
     for (name, read) in [
         ("temperature", (|rest| rest.by_temperature) as fn(&AtRest) -> f32),
         ("enthalpy", |rest| rest.by_enthalpy),

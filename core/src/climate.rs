@@ -7,10 +7,12 @@
 //! Like the rest of a network this is constant data, with a flat state and a step of fixed operations. A network
 //! without volumes here has no climate and costs nothing.
 
+mod books;
 mod buffers;
 pub mod condenser;
 pub mod crew;
 pub mod exchanger;
+mod lines;
 pub mod medium;
 pub mod monitor;
 mod observe;
@@ -18,6 +20,7 @@ pub mod parts;
 pub mod regulation;
 mod step;
 pub mod stream;
+mod supply;
 pub mod volume;
 
 pub(crate) use buffers::sizes;
@@ -313,7 +316,7 @@ impl Climate<'_> {
             };
             let opposite = control.opposite == ControlLoop::NONE
                 || (control.opposite != control.drives && driven(control.opposite));
-            let measures = control.measures_something(self);
+            let measures = control.measure.exists(self);
             if !(measures && driven(control.drives) && opposite) {
                 return Err(ClimateError::LoopTarget(index));
             }
@@ -334,6 +337,7 @@ impl Climate<'_> {
             hash.values(&medium.offset_j_kg);
             hash.values(&medium.gas_j_kg_k);
             hash.value(medium.latent_j_kg);
+            hash.value(medium.expansion_1_k);
         }
         self.volumes.iter().for_each(|volume| volume.feed(hash));
         self.stations.iter().for_each(|station| station.feed(hash));

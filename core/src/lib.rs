@@ -49,6 +49,7 @@ pub mod protocol;
 mod schedule;
 mod simulator;
 mod storage;
+mod unroll;
 
 pub use climate::Climate;
 pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, StdElement};

@@ -29,10 +29,20 @@ pub fn exact_add(sum: &mut f32, lost: &mut f32, increment: f32) {
     *sum = t;
 }
 
-/// [`exact_add`] for a whole row; written by operation, so that a processor with vectors takes a few at a time.
+/// Whether the processor works on several numbers at once: a whole row then costs no more than a part of it, and is
+/// written by operation instead of by number. The operations are the same either way.
+pub const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
+/// [`exact_add`] for a whole row.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 pub fn exact_add_row<const N: usize>(sum: &mut [f32; N], lost: &mut [f32; N], increment: &[f32; N]) {
+    if !VECTORS {
+        for place in 0..N {
+            exact_add(&mut sum[place], &mut lost[place], increment[place]);
+        }
+        return;
+    }
     let (s, l, y) = (*sum, *lost, *increment);
     let t = each(&s, &y, |s, y| s + y);
     let b = each(&t, &s, |t, s| t - s);
@@ -47,6 +57,12 @@ pub fn exact_add_row<const N: usize>(sum: &mut [f32; N], lost: &mut [f32; N], in
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over volumes")]
 pub fn compensated_add_row<const N: usize>(sum: &mut [f32; N], carry: &mut [f32; N], increment: &[f32; N]) {
+    if !VECTORS {
+        for place in 0..N {
+            compensated_add(&mut sum[place], &mut carry[place], increment[place]);
+        }
+        return;
+    }
     let (s, c, x) = (*sum, *carry, *increment);
     let y = each(&x, &c, |x, c| x - c);
     let t = each(&s, &y, |s, y| s + y);

@@ -42,6 +42,15 @@ pub struct Line {
     pub start_flow_kg_s: f32,
 }
 
+impl Line {
+    /// Last of the line's segments.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "one addition")]
+    pub fn last_segment(&self) -> u32 {
+        (self.first_segment + self.segments).saturating_sub(1)
+    }
+}
+
 /// A segment whose law changes during a run and the line that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

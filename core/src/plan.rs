@@ -36,8 +36,8 @@ pub struct Plan<'a> {
     /// For every entry of `ends`: twice its port, plus one at an outlet; the neighbour if it is held or eliminated
     /// before as a branch, else the number of nodes; and the neighbour's row if not, else [`Plan::NOWHERE`].
     pub terms: &'a [[u32; 3]],
-    /// Lines of more than one segment or with a drain. Their ports are two each, inlet and outlet, behind those of
-    /// all segments; the port of any other line is its segment.
+    /// Lines with a volume inside or a drain, which have more than one flow. Their ports are two each, inlet and outlet,
+    /// behind those of all segments; the port of any other line is its last segment.
     pub composite: &'a [u32],
     /// Points before and behind every segment: node n is point n, the volume behind segment s point nodes + s;
     /// [`Plan::NOWHERE`] twice where no volume stands between the segment and the next of its line.
@@ -88,8 +88,11 @@ impl Plan<'_> {
 
     /// Returns whether a line has a port at either end: where more than one flow belongs to it.
     pub fn is_composite<E: Element>(network: &Network<'_, E>, line: &Line) -> bool {
-        let drains = |segments: &[crate::Segment<E>]| segments.iter().any(|s| s.element.removal() > 0.0);
-        line.segments > 1 || drains(network.segments_of(line))
+        let segments = network.segments_of(line);
+        // The volume behind the last segment is the outlet node's.
+        let inside = segments.split_last().map_or(segments, |(_, inside)| inside);
+        segments.iter().any(|segment| segment.element.removal() > 0.0)
+            || inside.iter().any(|segment| segment.outlet_volume_m3 > 0.0)
     }
 
     /// Calls `each` with every segment of `line` (counted over all lines) and the points around it, see
@@ -115,7 +118,7 @@ impl Plan<'_> {
         let line = end / 2;
         match self.composite.binary_search(&line) {
             Ok(place) => segments as u32 + 2 * place as u32 + end % 2,
-            Err(_) => lines.get(line as usize).map_or(Self::NOWHERE, |line| line.first_segment),
+            Err(_) => lines.get(line as usize).map_or(Self::NOWHERE, Line::last_segment),
         }
     }
 

@@ -18,6 +18,7 @@ use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
 use crate::method::{adaptive, implicit, relaxation};
 use crate::schedule::Instant;
+use crate::unroll::every;
 use crate::{Buffers, Margin, Method, MethodError, Network, NetworkError, Proof};
 
 /// How a network is run.
@@ -62,7 +63,7 @@ impl core::error::Error for BuildError {}
 /// Samples every schedule at the method's stage times.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn follow_schedules<E: Element>(
+fn follow_schedules<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     settings: Settings,
     time_us: u64,
@@ -78,20 +79,23 @@ fn follow_schedules<E: Element>(
         Instant { time_us: time_us + u64::from(whole), part_us: inner - whole as f32, before: false };
     let end = Instant { time_us: time_us + u64::from(step_us), part_us: 0.0, before: true };
     let slots = network.inputs.len();
-    for (schedule, cursor) in network.schedules.iter().zip(cursors) {
+    every!(UNROLL, network.schedules.iter().zip(cursors), (schedule, cursor) => {
         let first = schedule.first_point as usize;
-        let Some(points) = network.points.get(first..first + schedule.points as usize) else { continue };
+        let points = network.points.get(first..first + schedule.points as usize).unwrap_or(&[]);
         let mut set = |stage: usize, at| {
             if let Some(input) = inputs.get_mut(stage * slots + schedule.input as usize) {
                 *input = schedule.value(points, cursor, at);
             }
         };
         set(0, now);
-        if implicit {
+        // One cursor serves all stages: they are asked in the order of time.
+        if settings.method == Method::TrBdf2 {
             set(1, inside);
+        }
+        if implicit {
             set(2, end);
         }
-    }
+    });
 }
 
 /// Cuts the last `length` numbers off.
@@ -211,10 +215,10 @@ impl<'a, E: Element> Simulator<'a, E> {
         ) else {
             return self.health;
         };
-        follow_schedules(network, settings, self.time_us, inputs, cursors);
+        follow_schedules::<E, UNROLL>(network, settings, self.time_us, inputs, cursors);
         let h = settings.step_us as f32 * 1e-6;
         if !network.climate.loops.is_empty() {
-            climate::control(network, h, self.tick, climate_state, climate_work, inputs);
+            climate::control::<E, UNROLL>(network, h, self.tick, climate_state, climate_work, inputs);
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
@@ -240,7 +244,7 @@ impl<'a, E: Element> Simulator<'a, E> {
                 let figures = work.get_mut(node * stride..).unwrap_or(&mut []);
                 settings.method.meet(figures, gauge_pa)
             };
-            place = place.or(climate::step(network, at, climate_state, climate_work, flow));
+            place = place.or(climate::step::<E, UNROLL>(network, at, climate_state, climate_work, flow));
         }
         self.count(settings, margin, place)
     }

@@ -138,8 +138,8 @@ impl Cabin {
                 stamps: &[[0, Plan::NOWHERE, Plan::NOWHERE, 0]],
                 row_of: &[0],
                 leaves: &[[Plan::NOWHERE; 2]],
-                terms: &[[4, 1, Plan::NOWHERE], [7, 1, Plan::NOWHERE]],
-                composite: &[0],
+                terms: &[[2, 1, Plan::NOWHERE], [3, 1, Plan::NOWHERE]],
+                composite: &[],
                 between: &[[Plan::NOWHERE; 2], [0, 0]],
             },
             climate: Climate {

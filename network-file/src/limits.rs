@@ -155,6 +155,8 @@ pub const OUTPUT_RATE: Range = range(1e-9, 1e9, "1/s");
 pub const MOIST_TEMPERATURE: Range = range(273.15, 333.15, "K");
 /// Specific heats.
 pub const SPECIFIC_HEAT: Range = range(100.0, 1e5, "J/(kg·K)");
+/// Thermal expansion of liquids.
+pub const EXPANSION: Range = range(0.0, 5e-3, "1/K");
 /// Heat capacities.
 pub const HEAT_CAPACITY: Range = range(1e-3, 1e15, "J/K");
 /// Conductances.

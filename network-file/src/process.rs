@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use eclss_core::InputSpec;
+use eclss_core::climate::Measure;
 use eclss_core::process::{
     Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Point, Port,
     ProcessError, Scaling,
@@ -13,7 +14,7 @@ use crate::limits;
 use crate::loaded::Loaded;
 use crate::notes::Notes;
 use crate::reason;
-use crate::record::{Quantity, Record};
+use crate::record::{AirFigure, ExchangerFigure, Quantity, Record};
 
 /// What a channel's scaling borrows.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -227,7 +228,28 @@ fn point(quantity: Quantity, file: &NetworkFile) -> Option<Point> {
             Point::OutletGauge { line: line as u32, segment: before(line) + segment as u32 }
         }
         Quantity::Input { slot, .. } => Point::Input(slot as u32),
-        Quantity::Air { .. } | Quantity::Exchanger { .. } => return None,
+        Quantity::Air { node, figure } => {
+            let node = node as u32;
+            match figure {
+                AirFigure::Temperature => Point::Measured(Measure::Temperature(node)),
+                AirFigure::DewPoint => Point::Measured(Measure::DewPoint(node)),
+                AirFigure::RelativeHumidity => Point::Measured(Measure::RelativeHumidity(node)),
+                AirFigure::Partial(part) => Point::Measured(Measure::Partial(node, part as u32)),
+                AirFigure::Mixed => Point::Mixed(node),
+                AirFigure::Liquid => return None,
+            }
+        }
+        Quantity::Exchanger { exchanger, figure } => {
+            let exchanger = exchanger as u32;
+            match figure {
+                ExchangerFigure::Heat => Point::AirHeat(exchanger),
+                ExchangerFigure::CoolantHeat => Point::CoolantHeat(exchanger),
+                ExchangerFigure::Condensate => Point::Condensate(exchanger),
+                ExchangerFigure::AirOutlet => Point::Measured(Measure::AirOutlet(exchanger)),
+                ExchangerFigure::Tank => Point::Tank(exchanger),
+                ExchangerFigure::Film | ExchangerFigure::Separator => return None,
+            }
+        }
     })
 }
 

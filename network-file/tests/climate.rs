@@ -18,7 +18,11 @@ fn refusal(from: &str, to: &str) -> Vec<(usize, String)> {
 #[test]
 fn mistakes_are_named_at_their_place() {
     for (from, to, wanted) in [
-        ("[air]\nreference_temperature_k = 295.15\n", "", "this needs heat and moisture"),
+        (
+            "[air]\nreference_temperature_k = 295.15\ncoolant_expansion_1_k = 1.1e-4",
+            "#",
+            "this needs heat and moisture",
+        ),
         ("oxygen_pa = 21200.0", "oxygen_pa = 121200.0", "partial pressures sum to more"),
         ("dew_point_k = 282.0", "dew_point_k = 282.0\nhumidity = 0.5", "unknown key `humidity`"),
         ("condenser = \"che\"", "condenser = \"cher\"", "there is no condenser `cher`"),
@@ -113,6 +117,83 @@ fn half_an_hour_under_control_closes_its_ledgers() {
         let carried = simulator.line_flow_kg_s(6) * 4_186.0 * rise;
         assert!((carried / exchanger.coolant_w - 1.0).abs() < 0.05, "{carried} {exchanger:?}");
     });
+}
+
+/// Figures of the climate go out, set points and malfunctions come in.
+#[test]
+fn a_climate_is_bound_to_channels() {
+    let mut text = THCS.to_owned();
+    for (bind, min, max) in [
+        ("cabin.temperature", 273.0, 323.0),
+        ("cabin.dew_point", 253.0, 323.0),
+        ("cabin.carbon_dioxide", 0.0, 5000.0),
+        ("cabin.mixed", 0.0, 1.0),
+        ("che.condensate", 0.0, 0.01),
+        ("che.air_outlet", 273.0, 323.0),
+    ] {
+        text += &format!(
+            "\n[[channel]]\nbind = \"{bind}\"\ndirection = \"out\"\nmin = {min:?}\nmax = {max:?}\nsafe_value = {min:?}\n"
+        );
+    }
+    for (bind, max, safe) in [
+        ("cabin_temperature.setpoint", 300.0, 295.0),
+        ("cabin_temperature.sensor_fault", 2.0, 0.0),
+        ("che.separator_efficiency", 1.0, 1.0),
+    ] {
+        text += &format!(
+            "\n[[channel]]\nbind = \"{bind}\"\ndirection = \"in\"\nmin = 0.0\nmax = {max:?}\nsafe_value = {safe:?}\n"
+        );
+    }
+    with_module(&text, |loaded, simulator| {
+        simulator.step_times(3_000);
+        let air = simulator.air(CABIN).unwrap();
+        let coil = simulator.exchanger(0).unwrap();
+        let wanted = [
+            air.temperature_k,
+            air.dew_point_k,
+            air.partial_pa[2],
+            1.0,
+            coil.condensate_kg_s,
+            coil.air_outlet_k,
+        ];
+        let channels = loaded.process.output_channels();
+        assert_eq!(channels.len(), wanted.len());
+        for (channel, wanted) in channels.iter().zip(wanted) {
+            assert_eq!(simulator.point(channel.point).to_bits(), wanted.to_bits(), "{:?}", channel.point);
+        }
+        assert!(coil.condensate_kg_s > 0.0);
+        for channel in loaded.process.input_channels() {
+            assert!(simulator.live_input(channel.slot as usize).is_ok(), "{}", channel.slot);
+        }
+    });
+    let film =
+        "\n[[channel]]\nbind = \"che.film\"\ndirection = \"out\"\nmin = 0.0\nmax = 1.0\nsafe_value = 0.0\n";
+    let error = parse(&(THCS.to_owned() + film), "thcs.toml").unwrap_err();
+    assert!(error.problems().iter().any(|problem| problem.reason.contains("no channel carries it")));
+}
+
+/// The loop holds what it held: what its pressures have moved is what its temperatures have expanded.
+#[test]
+fn coolant_expands_into_its_accumulator() {
+    let expanded = |text: &str| {
+        with_module(text, |_, simulator| {
+            simulator.step_times(30_000);
+            let node = |index: usize, start_k: f32, start_kg: f32, capacity_kg_pa: f64| {
+                let rise = f64::from(simulator.node_temperature_k(index) - start_k);
+                let moved = (f64::from(simulator.node_gauge_pa(index)) - 1e5) * capacity_kg_pa;
+                [moved, 1.1e-4 * (f64::from(start_kg) + simulator.node_mass_kg(index)) * rise]
+            };
+            let nodes =
+                [node(4, 283.0, 10.0, 1e-4), node(5, 277.5, 5.0, 2.5e-8), node(6, 283.0, 5.0, 2.5e-8)];
+            [0, 1].map(|column| nodes.iter().map(|node| node[column]).sum::<f64>())
+        })
+    };
+    let [moved, expanded_kg] = expanded(THCS);
+    assert!(expanded_kg.abs() > 1e-4, "{expanded_kg}");
+    assert!((moved / expanded_kg - 1.0).abs() < 1e-2, "{moved} {expanded_kg}");
+    let rigid = THCS.replace("coolant_expansion_1_k = 1.1e-4", "coolant_expansion_1_k = 0.0");
+    let [moved, expanded_kg] = expanded(&rigid);
+    assert!(moved.abs() < 1e-2 * expanded_kg.abs(), "{moved} {expanded_kg}");
 }
 
 #[test]

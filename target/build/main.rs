@@ -16,6 +16,8 @@ use std::{env, fs};
 
 /// The network of a build that names none.
 const DEFAULT: &str = "networks/paper.toml";
+/// Heat, moisture, composition and control: the day that is measured beside the paper's loop.
+const THCS: &str = "networks/thcs.toml";
 /// That of the emulated board with hardware on its link.
 const HIL: &str = "tests/files/hil_emulated.toml";
 
@@ -53,6 +55,7 @@ fn build() -> Result<(), Vec<String>> {
         write(&out, "chain.rs", &generated("chain", &large::chain(1_100))?.to_rust())?;
         write(&out, "general.rs", &generated("general", &large::general(550))?.to_rust())?;
         write(&out, "quick.rs", &quick(loaded).to_rust())?;
+        write(&out, "thcs.rs", &quick(load(THCS)?).to_rust())?;
     }
     Ok(())
 }

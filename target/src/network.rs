@@ -236,18 +236,7 @@ impl Plant for NetworkPlant {
         self.simulator().inputs().get(slot as usize).copied()
     }
     fn point(&self, point: Point) -> f32 {
-        let simulator = self.simulator();
-        match point {
-            Point::NodeGauge(node) => simulator.node_gauge_pa(node as usize),
-            Point::LineFlow(line) => simulator.line_flow_kg_s(line as usize),
-            Point::SegmentFlow { line, segment } => {
-                simulator.segment_flow_kg_s(line as usize, segment as usize)
-            }
-            Point::OutletGauge { line, segment } => {
-                simulator.outlet_gauge_pa(line as usize, segment as usize)
-            }
-            Point::Input(slot) => self.input(slot).unwrap_or(f32::NAN),
-        }
+        self.simulator().point(point)
     }
     #[cfg_attr(feature = "nucleo-h743zi2", unsafe(link_section = ".itcm.step"))]
     #[allow(unsafe_code, reason = "on the board with tightly coupled memory, the step runs from it")]

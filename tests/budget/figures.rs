@@ -5,7 +5,7 @@ use crate::emulator::{self, Run};
 /// Instructions of one thing that was measured many times.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Figure {
-    /// `law`, `paper`, `paper-loaded`, or a large network.
+    /// `law`, `paper`, `paper-loaded`, `thcs`, `thcs-loaded`, or a large network.
     pub(crate) kind: String,
     /// The component or method.
     pub(crate) name: String,

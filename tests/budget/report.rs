@@ -11,6 +11,8 @@ use crate::trace::{Part, Step, steps};
 
 /// The machine whose program is traced: both run the same one.
 const TRACED: &str = "mps2-an386";
+/// The method of `networks/thcs.toml`.
+const DAY_METHOD: &str = "implicit-euler";
 /// A step that is counted and one that is traced may differ by how they are called [instructions].
 const CALLING: u32 = 8;
 
@@ -48,6 +50,7 @@ pub(crate) fn make(folder: &Path) -> Report {
         bars(&boards, &traces),
         scenario(&boards),
         parts(&traces),
+        day(&boards),
         laws(&boards),
         link(&boards),
         large(&boards),
@@ -103,6 +106,10 @@ fn bars(boards: &[(&str, Vec<Figure>)], traces: &[(Method, Vec<Step>)]) -> Table
             let most = f64::from(find(figures, kind, method).max);
             add(format!("{method}, {kind}, whole step on {machine} [instructions]"), most, bar, 0);
         }
+        let day = find(figures, "thcs", DAY_METHOD);
+        let what = "temperature and humidity control, whole step";
+        add(format!("{what} on {machine} [instructions]"), f64::from(day.max), 12_000.0, 0);
+        add(format!("{what}, largest over mean on {machine} [1]"), day.spread(), 1.05, 3);
         for method in Method::ALL {
             let spread = find(figures, "paper", method.name()).spread();
             add(format!("{}, largest over mean on {machine} [1]", method.name()), spread, 1.05, 3);
@@ -124,6 +131,22 @@ fn scenario(boards: &[(&str, Vec<Figure>)]) -> Table {
                 row.extend(figure_cells(figure, true));
                 table.rows.push(row);
             }
+        }
+    }
+    table
+}
+
+fn day(boards: &[(&str, Vec<Figure>)]) -> Table {
+    let about = "Whole steps of `networks/thcs.toml` (7 volumes, 8 lines, a condenser of 12 walls, 4 control loops) with its \
+                 method and its day of sleep, work, exercise and a failed fan a thousand times as fast: schedule, control, \
+                 flows, heat, moisture, composition and all ledgers [instructions].";
+    let columns = ["board", "network", "steps", "min", "mean", "max", "max/mean"];
+    let mut table = Table::new("A step of temperature and humidity control", about, 2, &columns);
+    for (machine, figures) in boards {
+        for (kind, network) in [("thcs", "compiled in"), ("thcs-loaded", "loaded")] {
+            let mut row = [*machine, network].map(str::to_owned).to_vec();
+            row.extend(figure_cells(find(figures, kind, DAY_METHOD), true));
+            table.rows.push(row);
         }
     }
     table

@@ -78,6 +78,35 @@ fn every_method_ends_in_the_same_state_on_every_machine() {
     }
 }
 
+/// The day of temperature and humidity control, a thousand times as fast: crew, exercise, condensation, control and a
+/// failed fan.
+#[test]
+fn a_day_of_heat_moisture_and_control_ends_in_the_same_state_on_every_machine() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks/thcs.toml");
+    let mut day = eclss_network_file::load(&path).expect("it ships");
+    day.points.iter_mut().for_each(|point| point.time_us /= 1_000);
+    let (method, step_us) = (day.run.method, day.run.step_us);
+    let steps = day.run.until_us / 1_000 / u64::from(step_us);
+    let (id, state, water) = with_simulator(&day.network(), method, step_us, |simulator| {
+        while simulator.tick() < steps && simulator.step() == Health::Trusted {}
+        let coil = simulator.exchanger(0).expect("it has a condenser");
+        (simulator.network_id(), simulator.state_hash(), coil.film_kg + coil.separator_kg)
+    })
+    .expect("the method takes it");
+    assert!(water > 1e-3, "nothing condensed: {water} kg");
+    for machine in MACHINES {
+        let run = measure(machine, &["figures=all"]);
+        for form in ["thcs", "thcs-loaded"] {
+            let ended = run.after(&format!("run {form} {} ", method.name()));
+            assert_eq!(
+                ended,
+                [steps.to_string(), format!("{id:016x}"), format!("{state:016x}")],
+                "{machine}: {form}"
+            );
+        }
+    }
+}
+
 /// All but plain Euler reach the end: the comparison above is not one of runs that broke off at once.
 #[test]
 fn the_methods_reach_the_end_of_the_scenario() {

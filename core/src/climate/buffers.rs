@@ -1,17 +1,16 @@
 //! Where the climate keeps its numbers: state and work buffer, cut into rows, for writing and for reading.
 
+use super::books::{Books, LEDGER, Outside};
 use super::condenser::{CELLS, WallFigures, WallState};
 use super::exchanger::{SHOWN, STORES};
 use super::medium::{PARTS, Parts};
-use super::volume::{Figures, STORED, Stored};
+use super::volume::{Figures, STORED, Start, Stored};
 use super::{Climate, ControlLoop};
 use crate::Network;
 use crate::method::common::Cut;
 
 /// State of one loop: sensor, controller, actuator.
 pub(super) const LOOP: usize = ControlLoop::STATE;
-/// Rows of the ledger: supplied from outside and its carry; turned over and its carry.
-pub(super) const LEDGER: usize = 4;
 
 /// Lengths of the climate's parts of state and work buffer.
 pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
@@ -26,7 +25,7 @@ pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
         + LOOP * climate.loops.len()
         + LEDGER * STORED;
     let work =
-        nodes * (2 * STORED + PARTS + 6 + 2) + exchangers * (3 * CELLS + SHOWN) + 2 * network.lines.len();
+        nodes * (2 * STORED + PARTS + 6 + 2 + 2) + exchangers * (3 * CELLS + SHOWN) + 2 * network.lines.len();
     (state, work)
 }
 
@@ -40,7 +39,7 @@ pub(super) struct State<'s> {
     pub(super) stores: &'s mut [[f32; STORES]],
     pub(super) walls: &'s mut [[f32; 2]],
     pub(super) loops: &'s mut [[f32; LOOP]],
-    pub(super) ledger: &'s mut [Stored],
+    pub(super) outside: Outside<'s>,
 }
 
 impl<'s> State<'s> {
@@ -56,7 +55,7 @@ impl<'s> State<'s> {
             stores: cut.take_rows(exchangers),
             walls: cut.take_rows(climate.walls.len()),
             loops: cut.take_rows(climate.loops.len()),
-            ledger: cut.take_rows(LEDGER),
+            outside: Outside(cut.take_rows(LEDGER)),
         }
     }
 }
@@ -72,12 +71,7 @@ pub(super) struct Work<'w> {
     pub(super) shown: &'w mut [[f32; SHOWN]],
     /// What every line had given before this step, and its carry [kg].
     pub(super) given: &'w mut [[f32; 2]],
-}
-
-/// What arrives at the volumes within one step; a sum and what it lost.
-pub(super) struct Books<'w> {
-    pub(super) net: &'w mut [Stored],
-    pub(super) lost: &'w mut [Stored],
+    pub(super) start: &'w mut [Start],
 }
 
 impl<'w> Work<'w> {
@@ -93,6 +87,7 @@ impl<'w> Work<'w> {
             coils: cut.take_rows(CELLS * exchangers),
             shown: cut.take_rows(exchangers),
             given: cut.take_rows(network.lines.len()),
+            start: cut.take_rows(nodes),
         }
     }
 }

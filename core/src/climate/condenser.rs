@@ -6,7 +6,7 @@
 //! ```text
 //! air      T_o = T_s + b·(T_i − T_s)    W_o = min(W_i, W_s(T_s) + b·(W_i − W_s(T_s)))    b = exp(−NTU_a/n)
 //! coolant  T_o = T_s + e·(T_i − T_s)                                                      e = exp(−NTU_c/n)
-//! NTU_a = U_a·(w/w_ref)^m/(w·c_p)       NTU_c = U_c·(w_c/w_c,ref)^0.8/(w_c·c_c)
+//! NTU_a = U_a·(w/w_ref)^m/(w·c_p)       NTU_c = U_c·(w_c/w_c,ref)^0.46/(w_c·c_c)
 //! ```
 //!
 //! Heat and mass transfer have the same bypass factor (Lewis number near 1). A dry cell condenses nothing; a cell
@@ -14,8 +14,9 @@
 //! What a film cannot hold drains. Walls store heat, films store water, and each transfer is one rounded number that
 //! leaves one side and enters the other.
 //!
-//! Source: bypass factor with wall node as in V-HAB's description of the station's exchanger; 0.8 is the exponent of
-//! turbulent pipe flow (Dittus and Boelter). `U_a`, m and `U_c` are fitted, see [`Condenser::CCAA`]. Valid for walls
+//! Source: bypass factor with wall node as in V-HAB's description of the station's exchanger; 0.46 is the exponent of
+//! laminar flow through offset strip fins (j ~ Re^−0.54; R. M. Manglik, A. E. Bergles, Exp. Therm. Fluid Sci. 10,
+//! 1995): in passages of millimetres such flows of coolant are laminar. `U_a`, m and `U_c` are fitted, see [`Condenser::CCAA`]. Valid for walls
 //! of 0…60 °C and air flow in either direction; no frost.
 
 use super::medium::{LIQUID, Medium, VAPOUR};
@@ -26,8 +27,8 @@ use crate::{Fingerprint, math, moist};
 /// Walls along the way of the air.
 pub const CELLS: usize = 12;
 
-/// Exponent of the coolant's heat transfer.
-const COOLANT_EXPONENT: f32 = 0.8;
+/// Exponent of the coolant's heat transfer: laminar flow through offset strip fins.
+const COOLANT_EXPONENT: f32 = 0.46;
 /// Least flow that a side is computed for [kg/s]; below it nothing is exchanged.
 const LEAST_FLOW_KG_S: f32 = 1e-6;
 /// Most that acts on one wall [W/K]: 1 kg/s of wet air and 0.25 kg/s of water at once.
@@ -152,6 +153,7 @@ impl Coil<'_> {
 
     /// Passes air through the coil for `step_s` [s] at `pressure_pa` [Pa], `reversed` from its outlet to its inlet:
     /// changes the stream, books heat and water at the walls.
+    #[inline(never)] // in a loop over stations its powers would be taken for all of them
     pub fn pass_air(&mut self, stream: &mut Stream, step_s: f32, pressure_pa: f32, reversed: bool) {
         let dry = stream.dry_kg();
         let flow = dry / step_s;
@@ -197,6 +199,7 @@ impl Coil<'_> {
     }
 
     /// Passes coolant through the coil against the air for `step_s` [s]: changes the stream, books heat at the walls.
+    #[inline(never)] // in a loop over stations its powers would be taken for all of them
     pub fn pass_coolant(&mut self, stream: &mut Stream, step_s: f32, coolant: &Medium) {
         let [mass, ..] = stream.mass_kg;
         let flow = mass / step_s;
@@ -206,9 +209,10 @@ impl Coil<'_> {
         let data = self.condenser;
         let conductance =
             data.coolant_w_k * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
-        let capacity = stream.capacity_j_k(coolant);
+        let [heat, ..] = coolant.flowing_j_kg_k;
+        let capacity = heat * mass;
         let remaining = 1.0 - Condenser::contact(conductance * step_s, capacity);
-        let (mut theta, mut before) = (stream.theta_k(coolant), stream.energy_j);
+        let (mut theta, mut before) = (stream.energy_j / capacity, stream.energy_j);
         for [wall, heat, _] in self.figures.iter_mut().rev() {
             theta = *wall + remaining * (theta - *wall);
             let after = capacity * theta;

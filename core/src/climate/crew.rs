@@ -24,8 +24,8 @@ pub struct Crew {
 pub const ACTIVITIES: [&str; 8] =
     ["sleep", "nominal", "exercise", "late_exercise", "recovery", "recovery_2", "recovery_3", "recovery_4"];
 
-/// Dry heat [kJ/h]; vapour, sweat, oxygen, carbon dioxide [1e-4 kg/min].
-const TABLE: [[f32; 5]; 8] = [
+/// As printed: dry heat [kJ/h]; vapour, sweat, oxygen, carbon dioxide [1e-4 kg/min].
+const PRINTED: [[f32; 5]; 8] = [
     [224.0, 6.3, 0.0, 3.6, 4.55],
     [329.0, 11.77, 0.0, 5.68, 7.2],
     [514.0, 46.16, 1.56, 39.4, 49.85],
@@ -39,17 +39,33 @@ const TABLE: [[f32; 5]; 8] = [
 /// The table's unit of mass flow, 1e-4 kg/min [kg/s].
 const KG_S: f32 = 1e-4 / 60.0;
 
+/// Dry heat [W]; vapour, sweat, oxygen, carbon dioxide [kg/s].
+const TABLE: [[f32; 5]; 8] = {
+    let mut table = PRINTED;
+    let mut row = 0;
+    while row < table.len() {
+        table[row][0] *= 1.0 / 3.6;
+        let mut column = 1;
+        while column < table[row].len() {
+            table[row][column] *= KG_S;
+            column += 1;
+        }
+        row += 1;
+    }
+    table
+};
+
 /// What one person gives at an activity: heat [W], and masses of the parts [kg/s], oxygen below 0.
 pub fn person(activity: f32) -> (f32, Parts) {
     let index = if activity > 0.0 { (activity + 0.5) as usize } else { 0 };
     let row = TABLE.get(index).or(TABLE.last()).unwrap_or(&[0.0; 5]);
-    let [heat_kj_h, vapour, sweat, oxygen, carbon_dioxide] = *row;
+    let [heat_w, vapour, sweat, oxygen, carbon_dioxide] = *row;
     let mut parts = [0.0; PARTS];
-    parts[VAPOUR] = vapour * KG_S;
-    parts[LIQUID] = sweat * KG_S;
-    parts[OXYGEN] = -oxygen * KG_S;
-    parts[CARBON_DIOXIDE] = carbon_dioxide * KG_S;
-    (heat_kj_h * (1.0 / 3.6), parts)
+    parts[VAPOUR] = vapour;
+    parts[LIQUID] = sweat;
+    parts[OXYGEN] = -oxygen;
+    parts[CARBON_DIOXIDE] = carbon_dioxide;
+    (heat_w, parts)
 }
 
 impl Crew {

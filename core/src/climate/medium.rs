@@ -67,6 +67,8 @@ pub struct Medium {
     pub gas_j_kg_k: Parts,
     /// Evaporation enthalpy at the reference temperature [J/kg].
     pub latent_j_kg: f32,
+    /// How much of its volume a liquid gains per kelvin [1/K]; a gas follows its own law.
+    pub expansion_1_k: f32,
 }
 
 impl Medium {
@@ -89,10 +91,11 @@ impl Medium {
             offset_j_kg: offset,
             gas_j_kg_k: GAS_CONSTANTS_J_KG_K,
             latent_j_kg,
+            expansion_1_k: 0.0,
         }
     }
 
-    /// A liquid that keeps its density, with the specific heat `heat_j_kg_k` [J/(kg·K)]; all of it is part 0.
+    /// A liquid that does not expand, with the specific heat `heat_j_kg_k` [J/(kg·K)]; all of it is part 0.
     pub const fn coolant(heat_j_kg_k: f32) -> Self {
         let heats = [heat_j_kg_k, 0.0, 0.0, 0.0, 0.0, 0.0];
         Self {
@@ -101,6 +104,7 @@ impl Medium {
             offset_j_kg: [0.0; PARTS],
             gas_j_kg_k: [0.0; PARTS],
             latent_j_kg: 0.0,
+            expansion_1_k: 0.0,
         }
     }
 }

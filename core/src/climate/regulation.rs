@@ -24,6 +24,32 @@ pub enum Measure {
     AirOutlet(u32),
 }
 
+impl Measure {
+    /// Kind, place and part as numbers, for a fingerprint.
+    pub(crate) fn words(self) -> [u32; 3] {
+        match self {
+            Self::Temperature(node) => [0, node, 0],
+            Self::DewPoint(node) => [1, node, 0],
+            Self::RelativeHumidity(node) => [2, node, 0],
+            Self::Pressure(node) => [3, node, 0],
+            Self::Partial(node, part) => [4, node, part],
+            Self::AirOutlet(exchanger) => [5, exchanger, 0],
+        }
+    }
+
+    /// Whether the measured place exists in this climate and holds what is measured: of coolant that is temperature.
+    pub(crate) fn exists(self, climate: &Climate<'_>) -> bool {
+        match self {
+            Self::Temperature(node) => (node as usize) < climate.volumes.len(),
+            Self::DewPoint(node) | Self::RelativeHumidity(node) | Self::Pressure(node) => {
+                climate.holds(node, Contents::Air)
+            }
+            Self::Partial(node, part) => climate.holds(node, Contents::Air) && (part as usize) < PARTS,
+            Self::AirOutlet(exchanger) => (exchanger as usize) < climate.exchangers.len(),
+        }
+    }
+}
+
 /// A sensor, a controller and an actuator in series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -60,31 +86,12 @@ impl ControlLoop {
     pub const STATE: usize = Sensor::STATE + Controller::STATE + Actuator::STATE;
 
     pub(crate) fn feed(&self, hash: &mut Fingerprint) {
-        let (kind, first, second) = match self.measure {
-            Measure::Temperature(node) => (0, node, 0),
-            Measure::DewPoint(node) => (1, node, 0),
-            Measure::RelativeHumidity(node) => (2, node, 0),
-            Measure::Pressure(node) => (3, node, 0),
-            Measure::Partial(node, part) => (4, node, part),
-            Measure::AirOutlet(exchanger) => (5, exchanger, 0),
-        };
+        let [kind, first, second] = self.measure.words();
         for word in [kind, first, second, self.drives, self.opposite, self.first_input] {
             hash.word(word);
         }
         self.sensor.feed(hash);
         self.controller.feed(hash);
         self.actuator.feed(hash);
-    }
-
-    /// Whether the measured place exists in this climate and holds what is measured: of coolant that is temperature.
-    pub(super) fn measures_something(&self, climate: &Climate<'_>) -> bool {
-        match self.measure {
-            Measure::Temperature(node) => (node as usize) < climate.volumes.len(),
-            Measure::DewPoint(node) | Measure::RelativeHumidity(node) | Measure::Pressure(node) => {
-                climate.holds(node, Contents::Air)
-            }
-            Measure::Partial(node, part) => climate.holds(node, Contents::Air) && (part as usize) < PARTS,
-            Measure::AirOutlet(exchanger) => (exchanger as usize) < climate.exchangers.len(),
-        }
     }
 }

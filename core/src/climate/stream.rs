@@ -1,6 +1,6 @@
 //! What passes a place during one step: masses and the energy that they carry.
 
-use super::medium::{LIQUID, Medium, PARTS, Parts, VAPOUR, dot};
+use super::medium::{LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
 
 /// Masses and energy that pass during one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,6 +22,15 @@ impl Stream {
         }
         parts[LIQUID] = 0.0;
         Self { mass_kg: parts, energy_j: dot(&parts, &medium.flowing_j_kg_k) * theta_k }
+    }
+
+    /// What `mass_kg` [kg, ≥ 0] of coolant at this temperature over the reference [K] carries.
+    #[inline]
+    pub fn of_coolant(mass_kg: f32, theta_k: f32, coolant: &Medium) -> Self {
+        let [heat, ..] = coolant.flowing_j_kg_k;
+        let mut parts = [0.0; PARTS];
+        parts[NITROGEN] = mass_kg;
+        Self { mass_kg: parts, energy_j: heat * mass_kg * theta_k }
     }
 
     /// Heat capacity of what passes [J/K].

@@ -5,6 +5,7 @@
 //! ```text
 //! C = Σ m·c_v     θ − θ0 = (δE + Σ offset·δm − δC·θ0)/C                       (offset R·T_r for gases, L for liquid)
 //! δp = (δRM·T0 + (RM0 + δRM)·δT)/V,   RM = Σ m·R                              (the gauge identity of p·V = m·R·T)
+//! δp = (δm + β·m·δT)/Cap                                                      (liquid that expands)
 //! ```
 //!
 //! Outflow carries the volume's state at the step's start (upwind). Where γ times what passes in a step is more than
@@ -15,7 +16,7 @@
 //!
 //! Valid while the volume is mixed: [`Readings::mixed`] says when it no longer is.
 
-use super::medium::{LIQUID, Medium, PARTS, Parts, VAPOUR, dot};
+use super::medium::{LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
 use super::stream::Stream;
 use crate::element::{ParameterError, Reason};
 use crate::{Fingerprint, Node, NodeKind, math, moist};
@@ -94,9 +95,11 @@ pub(super) const ENERGY: usize = PARTS;
 pub(super) type Stored = [f32; STORED];
 
 /// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass of gas, or
-/// of coolant [kg];
-/// mass that came in and that went out in this step [kg]; φ.
+/// of coolant [kg]; mass that came in and that went out in this step [kg]; φ.
 pub(super) type Figures = [f32; 6];
+
+/// Figures that stay: heat capacity at the start [J/K], and Σ m·R there [J/K].
+pub(super) type Start = [f32; 2];
 
 /// A volume's state and what a step derives from it.
 pub(super) struct Held<'v> {
@@ -108,6 +111,7 @@ pub(super) struct Held<'v> {
     pub(super) lost: &'v mut Stored,
     pub(super) fractions: &'v mut Parts,
     pub(super) figures: &'v mut Figures,
+    pub(super) start: &'v Start,
 }
 
 /// Constants of one volume that a step needs.
@@ -121,17 +125,10 @@ pub(super) struct Constants<'c> {
 }
 
 impl Constants<'_> {
-    /// Masses at the start [kg].
-    fn start_masses(&self) -> Parts {
-        let mut masses = self.volume.fractions;
-        for mass in &mut masses {
-            *mass *= self.volume.start_kg;
-        }
-        masses
-    }
-
     /// Sets the figures of the start.
-    pub(super) fn start(&self, fractions: &mut Parts, figures: &mut Figures) {
+    pub(super) fn start(&self, fractions: &mut Parts, figures: &mut Figures, start: &mut Start) {
+        let masses = self.volume.fractions.map(|fraction| fraction * self.volume.start_kg);
+        *start = [dot(&masses, &self.medium.resting_j_kg_k), dot(&masses, &self.medium.gas_j_kg_k)];
         *fractions = self.volume.fractions;
         let pressure = self.reference_pa + self.node.start_gauge_pa;
         let theta = self.node.temperature_k - self.reference_k;
@@ -179,8 +176,7 @@ impl Constants<'_> {
     }
 
     /// Stores what arrived, of which the flow method stores the share `slowed`, and derives fractions, temperature and
-    /// pressure. Returns the gauge pressure [Pa] of a gas volume; `None` for what is held or liquid, whose pressure is
-    /// the flow method's alone.
+    /// pressure. Returns the gauge pressure [Pa]; `None` for what is held.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
     pub(super) fn update(&self, held: &mut Held<'_>, slowed: f32) -> Option<f32> {
@@ -193,6 +189,11 @@ impl Constants<'_> {
             let stored;
             (stored, through) = self.part(&held.net.map(slow), &figures, held.fractions);
             store_part(held, &stored);
+        } else if self.volume.contents == Contents::Coolant {
+            for place in [NITROGEN, ENERGY] {
+                held.carry[place] += held.lost[place];
+                math::compensated_add(&mut held.value[place], &mut held.carry[place], held.net[place]);
+            }
         } else {
             store(held.value, held.carry, held.net, held.lost);
         }
@@ -202,43 +203,42 @@ impl Constants<'_> {
         if self.node.kind == NodeKind::Boundary {
             return None;
         }
+        let start_theta = self.node.temperature_k - self.reference_k;
         if self.volume.contents == Contents::Coolant {
-            // One part, no pressure of its own: θ − θ0 = (δE − c·δm·θ0)/C.
+            // One part: θ − θ0 = (δE − c·δm·θ0)/C, and δp = (δm + β·m·(θ − θ0))/Cap of its walls or spring.
             let [heat, ..] = self.medium.resting_j_kg_k;
             let [change, ..] = *held.value;
-            let start_theta = self.node.temperature_k - self.reference_k;
             *mass = self.volume.start_kg + change;
-            *theta = start_theta + (held.value[ENERGY] - heat * change * start_theta) / (heat * *mass);
-            return None;
+            let rise = (held.value[ENERGY] - heat * change * start_theta) / (heat * *mass);
+            *theta = start_theta + rise;
+            let expanded = change + self.medium.expansion_1_k * (*mass * rise);
+            let gauge = self.node.start_gauge_pa + self.node.pressure_per_mass_pa_kg() * expanded;
+            *pressure = self.reference_pa + gauge;
+            return Some(gauge);
         }
-        let mut change = [0.0; PARTS];
-        for (change, value) in change.iter_mut().zip(&*held.value) {
-            *change = *value;
-        }
-        let start = self.start_masses();
-        let mut masses = start;
+        let [a, b, c, d, e, f, energy, _] = *held.value;
+        let change = [a, b, c, d, e, f];
+        let mut masses = self.volume.fractions;
         for (mass, change) in masses.iter_mut().zip(&change) {
-            *mass += change;
+            *mass = *mass * self.volume.start_kg + change;
         }
         // What lies free does not flow: fractions count per mass of what does.
         let [nitrogen, oxygen, carbon_dioxide, vapour, trace, _] = masses;
-        let sum = nitrogen + oxygen + carbon_dioxide + vapour + trace;
+        let sum = ((nitrogen + oxygen) + (carbon_dioxide + vapour)) + trace;
         *mass = sum;
         let per_mass = 1.0 / sum;
         for (fraction, mass) in held.fractions.iter_mut().zip(&masses) {
             *fraction = *mass * per_mass;
         }
         let medium = self.medium;
-        let start_theta = self.node.temperature_k - self.reference_k;
-        let capacity = dot(&masses, &medium.resting_j_kg_k);
-        let offset = dot(&change, &medium.offset_j_kg);
+        let [start_capacity, start_gas] = *held.start;
         let grown = dot(&change, &medium.resting_j_kg_k);
-        let rise = (held.value[ENERGY] + (offset - grown * start_theta)) / capacity;
+        let offset = dot(&change, &medium.offset_j_kg);
+        let rise = (energy + (offset - grown * start_theta)) / (start_capacity + grown);
         *theta = start_theta + rise;
         let NodeKind::Cabin { volume_m3 } = self.node.kind else { return None };
-        let gas = dot(&masses, &medium.gas_j_kg_k);
         let gas_change = dot(&change, &medium.gas_j_kg_k);
-        let swing = (gas_change * self.node.temperature_k + gas * rise) / volume_m3;
+        let swing = (gas_change * self.node.temperature_k + (start_gas + gas_change) * rise) / volume_m3;
         let gauge = self.node.start_gauge_pa + swing;
         *pressure = self.reference_pa + gauge;
         Some(gauge)
@@ -256,6 +256,14 @@ fn unit(fractions: &Parts, theta: f32, medium: &Medium) -> Stored {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
 fn store(value: &mut Stored, carry: &mut Stored, net: &Stored, lost: &Stored) {
+    if !math::VECTORS {
+        // The last place stays 0.
+        for place in 0..STORED - 1 {
+            carry[place] += lost[place];
+            math::compensated_add(&mut value[place], &mut carry[place], net[place]);
+        }
+        return;
+    }
     *carry = math::each(carry, lost, |carry, lost| carry + lost);
     math::compensated_add_row(value, carry, net);
 }

@@ -68,8 +68,9 @@ impl Sensor {
     ) -> f32 {
         let [followed, reading] = state;
         *followed += (value - *followed) * (step_s / (self.lag_s + step_s));
+        let noise = if self.noise > 0.0 { self.noise * noise(self.seed, tick) } else { 0.0 };
         *reading = match fault {
-            SensorFault::None => self.limit(*followed + bias + self.noise * noise(self.seed, tick)),
+            SensorFault::None => self.limit(*followed + bias + noise),
             SensorFault::Stuck => *reading,
             SensorFault::Dropout => self.min,
         };

@@ -25,8 +25,12 @@ impl Valve {
     /// Returns R(C) [Pa·s²/kg²] for `opening` [1, 0 closed … 1 open].
     #[inline]
     pub fn resistance_pa_s2_kg2(&self, opening: f32) -> f32 {
-        self.open_resistance_pa_s2_kg2
-            * math::pow(math::larger(opening, self.leakage_opening), -self.exponent)
+        let opening = math::larger(opening, self.leakage_opening);
+        // The orifice's own exponent needs no power.
+        if self.exponent.to_bits() == 2.0f32.to_bits() {
+            return self.open_resistance_pa_s2_kg2 / (opening * opening);
+        }
+        self.open_resistance_pa_s2_kg2 * math::pow(opening, -self.exponent)
     }
 }
 

@@ -36,6 +36,7 @@ use super::responsive;
 use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
+use crate::unroll::every;
 use crate::{Line, Method, MethodError, Network, NodeKind, air, math};
 
 pub(crate) use self::layout::sizes;
@@ -166,7 +167,7 @@ pub(crate) fn start<E: Element>(
         }
         law::set_laminar(line, &mut work);
     }
-    law::join::<E, false>(network, tau, inputs, state.flow, &mut work);
+    law::join::<E, false, false>(network, tau, inputs, state.flow, &mut work);
     if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {
         *again = 1.0;
     }
@@ -322,7 +323,7 @@ fn commit<E: Element, const UNROLL: bool>(
     let mut next = composite.next();
     for (index, (line, sums)) in (0u32..).zip(network.lines.iter().zip(state.common.lines.iter_mut())) {
         let [_, _, given, carry, ..] = sums;
-        let mut port = line.first_segment;
+        let mut port = line.last_segment();
         if let Some((&own, inlet)) = next
             && own == index
         {
@@ -331,7 +332,11 @@ fn commit<E: Element, const UNROLL: bool>(
         }
         math::compensated_add(given, carry, at(work.passed, port));
     }
-    beyond |= if UNROLL { move_nodes(network, state, work) } else { move_nodes_apart(network, state, work) };
+    beyond |= if UNROLL {
+        move_nodes::<E, true>(network, state, work)
+    } else {
+        move_nodes_apart(network, state, work)
+    };
     // One flag tells whether anything is wrong; only then is it looked for.
     if beyond { first_outside(network, state.flow, work.pressure) } else { None }
 }
@@ -339,23 +344,26 @@ fn commit<E: Element, const UNROLL: bool>(
 /// A function of its own, whose loop then has the processor's registers for itself.
 #[inline(never)]
 fn move_nodes_apart<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Work<'_>) -> bool {
-    move_nodes(network, state, work)
+    move_nodes::<E, false>(network, state, work)
 }
 
 /// Moves the masses of all nodes by what passed their ports. Returns whether a pressure left its range.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn move_nodes<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Work<'_>) -> bool {
+fn move_nodes<E, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) -> bool {
     let (passed, delta, mut beyond) = (&*work.passed, &*work.delta, false);
     let states = state.common.nodes.iter_mut().zip(state.junctions.iter_mut());
     let figures = work.pressure.iter_mut().zip(work.per_mass.iter());
     let nodes = (0u32..).zip(network.nodes).zip(matrix::terms(&network.plan));
-    for (((index, node), terms), (([mass, carry, ..], junction), (pressure, per_mass))) in
-        nodes.zip(states.zip(figures))
-    {
-        for &[end, ..] in terms {
+    let rows = nodes.zip(states.zip(figures));
+    every!(UNROLL, rows, (((index, node), terms), (([mass, carry, ..], junction), (pressure, per_mass))) => {
+        every!(few UNROLL, terms.iter(), &[end, ..] => {
             math::compensated_add(mass, carry, matrix::inward(at(passed, end >> 1), end));
-        }
+        });
         *pressure = if node.kind == NodeKind::Junction {
             let [gauge, carry] = junction;
             math::compensated_add(gauge, carry, at(delta, index));
@@ -364,7 +372,7 @@ fn move_nodes<E>(network: &Network<'_, E>, state: &mut State<'_>, work: &mut Wor
             node.start_gauge_pa + per_mass * *mass
         };
         beyond |= Fault::outside(*pressure, network.reference_pa);
-    }
+    });
     beyond
 }
 

@@ -12,12 +12,25 @@ const AT_ZERO_PA: f32 = 611.21;
 const A: f32 = 18.678;
 const B: f32 = 234.5;
 const C: f32 = 257.14;
+/// 30 °C [K].
+const MIDDLE_K: f32 = 303.15;
+
+/// Root of the pressure over the middle of the range, in x = (t − 30)/30: least largest relative error, 9.4e-8 in the
+/// pressure (`docs/theory.md`). A square cannot fall below zero, whatever the argument.
+const ROOT: [f32; 7] =
+    [65.154_63, 56.105_69, 17.859_41, 2.169_027, -0.039_770_704, -0.022_407_087, 0.000_699_361_1];
 
 /// Returns the pressure of water vapour over liquid water [Pa] at `temperature_k` [K], 273.15…333.15.
+///
+/// A polynomial takes the place of the exponential in a step: half the operations.
 #[inline]
 pub fn saturation_pressure_pa(temperature_k: f32) -> f32 {
-    let t = temperature_k - ZERO_CELSIUS_K;
-    AT_ZERO_PA * math::exp((A - t * (1.0 / B)) * (t / (C + t)))
+    let x = (temperature_k - MIDDLE_K) * (1.0 / 30.0);
+    let mut root = ROOT[6];
+    for coefficient in [ROOT[5], ROOT[4], ROOT[3], ROOT[2], ROOT[1], ROOT[0]] {
+        root = root * x + coefficient;
+    }
+    root * root
 }
 
 /// Returns `dp_s/dT` [Pa/K] at `temperature_k` [K], 273.15…333.15.

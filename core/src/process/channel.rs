@@ -1,6 +1,7 @@
 //! Description of a channel: what it is bound to, how it is scaled, how far and how fast it may go.
 
 use super::{CONVERTERS, Curve};
+use crate::climate::Measure;
 use crate::element::{ParameterError, Reason};
 use crate::{Element, Fingerprint, Network};
 
@@ -180,6 +181,18 @@ pub enum Point {
     },
     /// An input slot, in its own unit.
     Input(u32),
+    /// What a sensor of the climate can see, in its unit.
+    Measured(Measure),
+    /// Whether a single well-mixed volume still describes a node of air: 1 or 0.
+    Mixed(u32),
+    /// Heat that leaves the air in an exchanger [W].
+    AirHeat(u32),
+    /// Heat that its coolant takes [W].
+    CoolantHeat(u32),
+    /// Water that leaves the air in it [kg/s].
+    Condensate(u32),
+    /// Water in its condensate tank [kg].
+    Tank(u32),
 }
 
 impl Point {
@@ -193,6 +206,11 @@ impl Point {
                 line.is_some_and(|line| segment.wrapping_sub(line.first_segment) < line.segments)
             }
             Self::Input(slot) => (slot as usize) < network.inputs.len(),
+            Self::Measured(measure) => measure.exists(&network.climate),
+            Self::Mixed(node) => (node as usize) < network.climate.volumes.len(),
+            Self::AirHeat(index) | Self::CoolantHeat(index) | Self::Condensate(index) | Self::Tank(index) => {
+                (index as usize) < network.climate.exchangers.len()
+            }
         }
     }
 
@@ -203,6 +221,15 @@ impl Point {
             Self::SegmentFlow { line, segment } => [2, line, segment],
             Self::OutletGauge { line, segment } => [3, line, segment],
             Self::Input(slot) => [4, slot, 0],
+            Self::Mixed(node) => [5, node, 0],
+            Self::AirHeat(index) => [6, index, 0],
+            Self::CoolantHeat(index) => [7, index, 0],
+            Self::Condensate(index) => [8, index, 0],
+            Self::Tank(index) => [9, index, 0],
+            Self::Measured(measure) => {
+                let [kind, first, second] = measure.words();
+                [10 + kind, first, second]
+            }
         };
         for word in words {
             hash.word(word);

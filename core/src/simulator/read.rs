@@ -1,9 +1,10 @@
 //! What a simulator answers: counters, pressures, flows, ledgers, and the hash of its state.
 
 use super::{Health, Settings, Simulator};
-use crate::climate::{self, ExchangerReadings, Ledger, Readings};
+use crate::climate::{self, ExchangerReadings, Ledger, Measure, Readings};
 use crate::element::Element;
 use crate::method::observe::Observer;
+use crate::process::Point;
 use crate::{Fingerprint, Margin, Method, Network};
 
 impl<'a, E: Element> Simulator<'a, E> {
@@ -153,6 +154,44 @@ impl<'a, E: Element> Simulator<'a, E> {
     /// What exchanger `index` of the climate shows.
     pub fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
         self.climate().exchanger(index)
+    }
+
+    /// What a sensor of the climate would see without its faults; NaN where there is nothing.
+    pub fn measured(&self, measure: Measure) -> f32 {
+        let air =
+            |node: u32, of: &dyn Fn(&Readings) -> f32| self.air(node as usize).as_ref().map_or(f32::NAN, of);
+        match measure {
+            Measure::Temperature(node) => self.node_temperature_k(node as usize),
+            Measure::DewPoint(node) => air(node, &|air| air.dew_point_k),
+            Measure::RelativeHumidity(node) => air(node, &|air| air.relative_humidity),
+            Measure::Pressure(node) => air(node, &|air| air.pressure_pa),
+            Measure::Partial(node, part) => {
+                air(node, &|air| air.partial_pa.get(part as usize).copied().unwrap_or(f32::NAN))
+            }
+            Measure::AirOutlet(index) => self.exchanger(index as usize).map_or(f32::NAN, |e| e.air_outlet_k),
+        }
+    }
+
+    /// Value of a point of the plant that an output can carry, in its unit; NaN for one that does not exist.
+    pub fn point(&self, point: Point) -> f32 {
+        let exchanger = |index: u32| self.exchanger(index as usize);
+        match point {
+            Point::NodeGauge(node) => self.node_gauge_pa(node as usize),
+            Point::LineFlow(line) => self.line_flow_kg_s(line as usize),
+            Point::SegmentFlow { line, segment } => self.segment_flow_kg_s(line as usize, segment as usize),
+            Point::OutletGauge { line, segment } => self.outlet_gauge_pa(line as usize, segment as usize),
+            Point::Input(slot) => self.inputs().get(slot as usize).copied().unwrap_or(f32::NAN),
+            Point::Measured(measure) => self.measured(measure),
+            Point::Mixed(node) => {
+                self.air(node as usize).map_or(f32::NAN, |air| f32::from(u8::from(air.mixed)))
+            }
+            Point::AirHeat(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.heat_w),
+            Point::CoolantHeat(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.coolant_w),
+            Point::Condensate(index) => {
+                exchanger(index).map_or(f32::NAN, |exchanger| exchanger.condensate_kg_s)
+            }
+            Point::Tank(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.tank_kg),
+        }
     }
 
     /// Share of what arrived at node `node` that its volume stored in the last step [1]; below 1 where more passes than

@@ -50,10 +50,10 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
             return simulator.health;
         };
         let inputs = &mut *simulator.inputs;
-        follow_schedules(network, settings, simulator.time_us, inputs, simulator.cursors);
+        follow_schedules::<E, false>(network, settings, simulator.time_us, inputs, simulator.cursors);
         let h = settings.step_us as f32 * 1e-6;
         if !network.climate.loops.is_empty() {
-            climate::control(network, h, tick, climate_state, climate_work, inputs);
+            climate::control::<E, false>(network, h, tick, climate_state, climate_work, inputs);
         }
         let inputs = inputs.get(..network.inputs.len()).unwrap_or(&[]);
         let (margin, mut place) = split::step(network, h, state, work, inputs, &mut self.buffers, join);
@@ -70,7 +70,7 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
                 }
                 settings.method.meet(work.get_mut(node * stride..).unwrap_or(&mut []), gauge_pa)
             };
-            place = place.or(climate::step(network, at, climate_state, climate_work, flow));
+            place = place.or(climate::step::<E, false>(network, at, climate_state, climate_work, flow));
         }
         self.shown = false;
         simulator.count(settings, margin, place)

@@ -64,6 +64,8 @@ pub(crate) struct AtRest {
     pub(crate) humidity_out: f32,
     /// Heat that the air loses [W], in the last step.
     pub(crate) air_w: f32,
+    /// Heat that the coolant takes [W], in the last step.
+    pub(crate) coolant_w: f32,
     /// What the whole run put into the coil and its own state does not hold, over what was put in [1]: energy, water.
     pub(crate) unbalance: [f64; 2],
     pub(crate) condensed_kg_s: f32,
@@ -131,6 +133,7 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
         coolant_out_k: REFERENCE_K + coolant_out.theta_k(&water),
         humidity_in,
         humidity_out,
+        coolant_w: (coolant_out.energy_j - coolant_in.energy_j) / step_s,
         air_w: (entering.energy_j - out.energy_j) / step_s,
         unbalance,
         condensed_kg_s: (entering.mass_kg[VAPOUR] - out.mass_kg[VAPOUR]) / step_s,

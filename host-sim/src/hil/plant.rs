@@ -65,18 +65,7 @@ impl Plant for HostPlant<'_> {
     }
 
     fn point(&self, point: Point) -> f32 {
-        let simulator = &self.simulator;
-        match point {
-            Point::NodeGauge(node) => simulator.node_gauge_pa(node as usize),
-            Point::LineFlow(line) => simulator.line_flow_kg_s(line as usize),
-            Point::SegmentFlow { line, segment } => {
-                simulator.segment_flow_kg_s(line as usize, segment as usize)
-            }
-            Point::OutletGauge { line, segment } => {
-                simulator.outlet_gauge_pa(line as usize, segment as usize)
-            }
-            Point::Input(slot) => self.input(slot).unwrap_or(f32::NAN),
-        }
+        self.simulator.point(point)
     }
 
     fn step(&mut self) -> Result<(), Untrusted> {

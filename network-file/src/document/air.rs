@@ -16,6 +16,9 @@ pub struct AirEntry {
     /// Specific heat of the coolant [J/(kg·K)]; water's when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coolant_heat_j_kg_k: Option<f64>,
+    /// How much of its volume the coolant gains per kelvin [1/K]; nothing when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coolant_expansion_1_k: Option<f64>,
 }
 
 /// What a node holds at the start.

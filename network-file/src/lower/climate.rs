@@ -32,7 +32,8 @@ pub(super) fn climate(file: &NetworkFile, tables: &mut Tables, notes: &mut Notes
     climate.reference_k = air.reference_temperature_k.unwrap_or(limits::REFERENCE_K) as f32;
     climate.air = Medium::air(climate.reference_k);
     let heat = air.coolant_heat_j_kg_k.map_or(moist::LIQUID_HEAT_J_KG_K, |heat| heat as f32);
-    climate.coolant = Medium::coolant(heat);
+    let expansion_1_k = air.coolant_expansion_1_k.unwrap_or(0.0) as f32;
+    climate.coolant = Medium { expansion_1_k, ..Medium::coolant(heat) };
     for (index, node) in file.nodes.iter().enumerate() {
         climate.volumes.push(volume(node, &format!("node[{index}]"), notes));
     }

@@ -15,6 +15,7 @@ pub(super) fn read_parts(root: &mut Table<'_, '_>, file: &mut NetworkFile) {
     file.air = root.table("air", |air| AirEntry {
         reference_temperature_k: air.number("reference_temperature_k", &limits::MOIST_TEMPERATURE),
         coolant_heat_j_kg_k: air.number("coolant_heat_j_kg_k", &limits::SPECIFIC_HEAT),
+        coolant_expansion_1_k: air.number("coolant_expansion_1_k", &limits::EXPANSION),
     });
     file.sources = root.tables("source", 0..=limits::PARTS, |table| Some(part(table, &Source::INPUTS)));
     file.crews = root.tables("crew", 0..=limits::PARTS, |table| Some(part(table, &Crew::INPUTS)));

@@ -24,7 +24,7 @@ use ::eclss_core::{
 pub const NAME: &str = "thcs";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0xef504c59695445b4;
+pub const NETWORK_ID: u64 = 0x82e754924893076e;
 
 /// Method of the file.
 pub const METHOD: Method = Method::ImplicitEuler;
@@ -36,22 +36,22 @@ pub const STEP_US: u32 = 10000;
 pub const UNTIL_US: u64 = 86400000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 };
+pub const EULER: Sizes = Sizes { state: 450, work: 422, inputs: 165, cursors: 4 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 450, work: 408, inputs: 165, cursors: 4 };
+pub const RELAXATION: Sizes = Sizes { state: 450, work: 422, inputs: 165, cursors: 4 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 430, inputs: 165, cursors: 4 };
+pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 444, inputs: 165, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 705, inputs: 165, cursors: 4 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 669, inputs: 165, cursors: 4 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 488, work: 705, inputs: 165, cursors: 4 };
+pub const TR_BDF2: Sizes = Sizes { state: 488, work: 669, inputs: 165, cursors: 4 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 488, work: 705, inputs: 165, cursors: 4 };
+pub const BUFFERS: Sizes = Sizes { state: 488, work: 669, inputs: 165, cursors: 4 };
 
 /// Nodes.
 pub static NODES: [Node; 7] = [
@@ -309,13 +309,13 @@ static PLAN_DIAGONAL: [u32; 6] = [0, 4, 8, 9, 13, 17];
 
 static PLAN_ROW_OF: [u32; 7] = [0, 1, 2, 4294967295, 3, 4, 5];
 
-static PLAN_COMPOSITE: [u32; 4] = [0, 1, 3, 5];
+static PLAN_COMPOSITE: [u32; 0] = [];
 
 static PLAN_STAMPS: [[u32; 4]; 8] = [[0, 1, 3, 4], [4, 5, 7, 8], [4, 5, 7, 8], [8, 6, 2, 0], [0, 4294967295, 4294967295, 4294967295], [9, 10, 12, 13], [13, 14, 16, 17], [17, 15, 11, 9]];
 
 static PLAN_LEAVES: [[u32; 2]; 0] = [];
 
-static PLAN_TERMS: [[u32; 3]; 16] = [[24, 7, 1], [35, 7, 2], [14, 3, 4294967295], [27, 7, 0], [28, 7, 2], [8, 7, 2], [31, 7, 1], [9, 7, 1], [32, 7, 0], [15, 7, 0], [36, 7, 4], [23, 7, 5], [39, 7, 3], [20, 7, 5], [21, 7, 4], [22, 7, 3]];
+static PLAN_TERMS: [[u32; 3]; 16] = [[2, 7, 1], [13, 7, 2], [14, 3, 4294967295], [3, 7, 0], [6, 7, 2], [8, 7, 2], [7, 7, 1], [9, 7, 1], [12, 7, 0], [15, 7, 0], [18, 7, 4], [23, 7, 5], [19, 7, 3], [20, 7, 5], [21, 7, 4], [22, 7, 3]];
 
 static PLAN_BETWEEN: [[u32; 2]; 12] = [[4294967295, 4294967295], [0, 1], [4294967295, 4294967295], [1, 2], [1, 2], [4294967295, 4294967295], [2, 0], [0, 3], [4294967295, 4294967295], [4, 5], [5, 6], [6, 4]];
 
@@ -408,8 +408,8 @@ impl ::eclss_core::Compiled for Configured {
         },
         climate: Climate {
             reference_k: 295.15,
-            air: Medium { flowing_j_kg_k: [1040.0, 919.0, 846.0, 1864.0, 1006.0, 4186.0], resting_j_kg_k: [743.1969, 659.1568, 657.0736, 1402.47, 718.94794, 4186.0], offset_j_kg: [87601.42, 76692.72, 55761.633, 136220.58, 84723.414, 2449828.0], gas_j_kg_k: [296.80307, 259.8432, 188.92642, 461.53, 287.05206, 0.0], latent_j_kg: 2449828.0 },
-            coolant: Medium { flowing_j_kg_k: [4186.0, 0.0, 0.0, 0.0, 0.0, 0.0], resting_j_kg_k: [4186.0, 0.0, 0.0, 0.0, 0.0, 0.0], offset_j_kg: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], gas_j_kg_k: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], latent_j_kg: 0.0 },
+            air: Medium { flowing_j_kg_k: [1040.0, 919.0, 846.0, 1864.0, 1006.0, 4186.0], resting_j_kg_k: [743.1969, 659.1568, 657.0736, 1402.47, 718.94794, 4186.0], offset_j_kg: [87601.42, 76692.72, 55761.633, 136220.58, 84723.414, 2449828.0], gas_j_kg_k: [296.80307, 259.8432, 188.92642, 461.53, 287.05206, 0.0], latent_j_kg: 2449828.0, expansion_1_k: 0.0 },
+            coolant: Medium { flowing_j_kg_k: [4186.0, 0.0, 0.0, 0.0, 0.0, 0.0], resting_j_kg_k: [4186.0, 0.0, 0.0, 0.0, 0.0, 0.0], offset_j_kg: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], gas_j_kg_k: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], latent_j_kg: 0.0, expansion_1_k: 0.00011 },
             volumes: &VOLUMES,
             stations: &STATIONS,
             exchangers: &EXCHANGERS,

@@ -40,10 +40,10 @@ pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors
 pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 465, inputs: 15, cursors: 3 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 430, inputs: 15, cursors: 3 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 140, work: 465, inputs: 15, cursors: 3 };
+pub const TR_BDF2: Sizes = Sizes { state: 140, work: 430, inputs: 15, cursors: 3 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
@@ -198,13 +198,13 @@ static PLAN_DIAGONAL: [u32; 2] = [0, 3];
 
 static PLAN_ROW_OF: [u32; 4] = [0, 1, 4294967295, 4294967295];
 
-static PLAN_COMPOSITE: [u32; 4] = [0, 1, 2, 6];
+static PLAN_COMPOSITE: [u32; 2] = [0, 1];
 
 static PLAN_STAMPS: [[u32; 4]; 9] = [[0, 1, 2, 3], [3, 2, 1, 0], [4294967295, 4294967295, 4294967295, 0], [4294967295, 4294967295, 4294967295, 3], [0, 4294967295, 4294967295, 4294967295], [3, 4294967295, 4294967295, 4294967295], [4294967295, 4294967295, 4294967295, 0], [0, 1, 2, 3], [0, 1, 2, 3]];
 
 static PLAN_LEAVES: [[u32; 2]; 0] = [];
 
-static PLAN_TERMS: [[u32; 3]; 18] = [[30, 4, 1], [37, 4, 1], [41, 2, 4294967295], [18, 3, 4294967295], [45, 2, 4294967295], [26, 4, 1], [28, 4, 1], [33, 4, 0], [34, 4, 0], [17, 3, 4294967295], [20, 3, 4294967295], [27, 4, 0], [29, 4, 0], [38, 4, 0], [42, 4, 0], [16, 4, 1], [19, 4, 0], [21, 4, 1]];
+static PLAN_TERMS: [[u32; 3]; 18] = [[30, 4, 1], [37, 4, 1], [15, 2, 4294967295], [18, 3, 4294967295], [25, 2, 4294967295], [26, 4, 1], [28, 4, 1], [33, 4, 0], [34, 4, 0], [17, 3, 4294967295], [20, 3, 4294967295], [27, 4, 0], [29, 4, 0], [14, 4, 0], [24, 4, 0], [16, 4, 1], [19, 4, 0], [21, 4, 1]];
 
 static PLAN_BETWEEN: [[u32; 2]; 15] = [[0, 4], [4, 5], [5, 6], [6, 1], [4294967295, 4294967295], [1, 0], [4294967295, 4294967295], [2, 0], [3, 1], [0, 3], [1, 3], [4294967295, 4294967295], [2, 0], [0, 1], [0, 1]];
 

@@ -25,6 +25,11 @@ generated!(
     "quick.rs"
 );
 generated!(
+    /// Temperature and humidity control over a day that passes a thousand times as fast.
+    thcs,
+    "thcs.rs"
+);
+generated!(
     /// 1099 pipes and a valve.
     chain,
     "chain.rs"
@@ -46,6 +51,8 @@ impl<N: Compiled<Element = StdElement>, const METHOD: usize> Compiled for With<N
 
 /// Steps of the paper's scenario: 26 s.
 const PAPER_STEPS: u32 = 26_000;
+/// Steps of the fast day: 86.4 s.
+const DAY_STEPS: u32 = 8_640;
 /// Steps of the large networks: past the closing of their valve.
 const LARGE_STEPS: u32 = 400;
 /// Steps of the fast scenario.
@@ -78,7 +85,7 @@ pub(super) fn measure() -> bool {
         .and_then(|()| paper::<2>(&mut storage))
         .and_then(|()| paper::<3>(&mut storage))
         .and_then(|()| paper::<4>(&mut storage));
-    small.and_then(|()| large_chain()).and_then(|()| large_general()).is_some()
+    small.and_then(|()| day()).and_then(|()| large_chain()).and_then(|()| large_general()).is_some()
 }
 
 fn built<'a>(
@@ -98,6 +105,23 @@ fn paper<const METHOD: usize>(storage: &mut Small) -> Option<()> {
     steps("paper", name, PAPER_STEPS, &mut simulator, specialised, |simulator| simulator);
     let mut simulator = built(&table::NETWORK, settings, storage.buffers())?;
     steps("paper-loaded", name, PAPER_STEPS, &mut simulator, general_step, |simulator| simulator);
+    Some(())
+}
+
+/// A day of temperature and humidity control with its file's method: specialised, then in general form.
+fn day() -> Option<()> {
+    const LENGTH: Sizes = thcs::BUFFERS;
+    static STORAGE: ConstStaticCell<
+        Storage<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>,
+    > = ConstStaticCell::new(Storage::new());
+    let storage = STORAGE.take();
+    let settings = thcs::Configured::SETTINGS;
+    let name = settings.method.name();
+    let simulator = built(&thcs::NETWORK, settings, storage.buffers())?;
+    let mut simulator = CompiledSimulator::<thcs::Configured>::new(simulator)?;
+    steps("thcs", name, DAY_STEPS, &mut simulator, specialised, |simulator| simulator);
+    let mut simulator = built(&thcs::NETWORK, settings, storage.buffers())?;
+    steps("thcs-loaded", name, DAY_STEPS, &mut simulator, general_step, |simulator| simulator);
     Some(())
 }
 

@@ -5,6 +5,7 @@
 
 use super::layout::{Work, at, continues, is_joined};
 use crate::element::{Element, Law, Operating};
+use crate::unroll::every;
 use crate::{Line, Network, Segment, math};
 
 /// Law of a segment at this flow [kg/s].
@@ -41,7 +42,7 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
             }
         }
     }
-    join::<E, MOVED>(network, tau, inputs, flow, work);
+    join::<E, UNROLL, MOVED>(network, tau, inputs, flow, work);
     for active in network.active {
         if let Some(line) = network.lines.get(active.line as usize) {
             set_laminar(line, work);
@@ -91,7 +92,7 @@ fn write(index: usize, [resistance, linear, head]: [f32; 3], work: &mut Work<'_>
 /// Sums every reach of several segments, in the direction in which it flows at the stage's start.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn join<E: Element, const MOVED: bool>(
+pub(crate) fn join<E: Element, const UNROLL: bool, const MOVED: bool>(
     network: &Network<'_, E>,
     tau: f32,
     inputs: &[f32],
@@ -102,18 +103,18 @@ pub(crate) fn join<E: Element, const MOVED: bool>(
         return;
     }
     let mut first = 0;
-    for (last, _) in network.segments.iter().enumerate() {
-        if continues(&network.plan, last) {
-            continue;
+    every!(many UNROLL, 0..network.segments.len(), last => {
+        if !continues(&network.plan, last) {
+            if first < last {
+                sum(network, tau, inputs, present::<MOVED>(last, flow, work), first..=last, work);
+            }
+            first = last + 1;
         }
-        if first < last {
-            sum(network, tau, inputs, present::<MOVED>(last, flow, work), first..=last, work);
-        }
-        first = last + 1;
-    }
+    });
 }
 
 /// Sums one reach that flows at `w` [kg/s] behind it.
+#[inline(never)]
 fn sum<E: Element>(
     network: &Network<'_, E>,
     tau: f32,

@@ -12,8 +12,8 @@ use crate::{Network, Plan};
 /// γ and κ [1] of the last sweep.
 pub(crate) type Joint = [f32; 6];
 
-/// What a port carries: conductance [kg/(s·Pa)] and flow [kg/s] at increments of 0. Port s is both ends of a line that
-/// is nothing but segment s; lines of [`Plan::composite`] have two ports each behind those of all segments.
+/// What a port carries: conductance [kg/(s·Pa)] and flow [kg/s] at increments of 0. Port s is both ends of a line of
+/// one flow whose last segment is s; lines of [`Plan::composite`] have two ports each behind those of all segments.
 pub(crate) type Port = [f32; 2];
 
 #[inline(always)]

@@ -15,6 +15,7 @@
 //! eliminated. What has loops follows.
 
 use super::layout::{Work, at};
+use crate::unroll::every;
 use crate::{Network, Plan};
 
 /// Turns the sign of what leaves at a line's inlet, the even ends.
@@ -30,17 +31,21 @@ pub(crate) fn inward(value: f32, end: u32) -> f32 {
 pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let plan = &network.plan;
     if UNROLL {
-        sum(plan, work);
-        branches(plan, work);
+        sum::<true>(plan, work);
+        branches::<true>(plan, work);
     } else {
         sum_apart(plan, work);
         branches_apart(plan, work);
     }
     if plan.leaves.len() < plan.order.len() {
-        loops(plan, work);
+        if UNROLL {
+            loops::<true>(plan, work);
+        } else {
+            loops_apart(plan, work);
+        }
     }
     if UNROLL {
-        back(plan, work);
+        back::<true>(plan, work);
     } else {
         back_apart(plan, work);
     }
@@ -49,19 +54,25 @@ pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut 
 /// A function of its own, whose loop then has the processor's registers for itself.
 #[inline(never)]
 fn sum_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    sum(plan, work);
+    sum::<false>(plan, work);
 }
 
 /// Like [`sum_apart`].
 #[inline(never)]
 fn branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    branches(plan, work);
+    branches::<false>(plan, work);
 }
 
 /// Like [`sum_apart`].
 #[inline(never)]
 fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    back(plan, work);
+    back::<false>(plan, work);
+}
+
+/// Like [`sum_apart`].
+#[inline(never)]
+fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    loops::<false>(plan, work);
 }
 
 /// The terms of all nodes, one after the other.
@@ -76,110 +87,132 @@ pub(crate) fn terms<'p>(plan: &'p Plan<'_>) -> impl Iterator<Item = &'p [[u32; 3
 /// another here.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn sum(plan: &Plan<'_>, work: &mut Work<'_>) {
+fn sum<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     let (ports, holds) = (&*work.ports, &*work.holds);
     let known = work.excess.iter().zip(work.known.iter());
-    for ((row, (excess, known)), terms) in work.rows.iter_mut().zip(known).zip(terms(plan)) {
+    let rows = work.rows.iter_mut().zip(known).zip(terms(plan));
+    every!(UNROLL, rows, ((row, (excess, known)), terms) => {
         let (mut held, mut sum) = (*excess, *known);
-        for &[end, by, _] in terms {
+        every!(few UNROLL, terms.iter(), &[end, by, _] => {
             let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
             held += through * at(holds, by);
             sum += inward(flow, end);
-        }
+        });
         *row = [held, sum];
-    }
+    });
 }
 
 /// Eliminates the nodes that have one neighbour left, or none.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn branches(plan: &Plan<'_>, work: &mut Work<'_>) {
+fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     let (ports, rows) = (&*work.ports, &mut *work.rows);
-    for ((&node, &[port, later]), share) in plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut()) {
+    let leaves = plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut());
+    every!(UNROLL, leaves, ((&node, &[port, later]), share) => {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
-        let Some(row) = rows.get_mut(node as usize) else { continue };
-        let [held, known] = *row;
-        let reciprocal = 1.0 / (held + onward);
-        *share = onward * reciprocal;
-        *row = [held * reciprocal, known * reciprocal];
-        if let Some([held_later, known_later]) = rows.get_mut(later as usize) {
-            *held_later += held * *share;
-            *known_later += known * *share;
+        if let Some(row) = rows.get_mut(node as usize) {
+            let [held, known] = *row;
+            let reciprocal = 1.0 / (held + onward);
+            *share = onward * reciprocal;
+            *row = [held * reciprocal, known * reciprocal];
+            if let Some([held_later, known_later]) = rows.get_mut(later as usize) {
+                *held_later += held * *share;
+                *known_later += known * *share;
+            }
         }
-    }
+    });
 }
 
 /// Eliminates the other nodes.
-fn loops(plan: &Plan<'_>, work: &mut Work<'_>) {
-    for row in plan.leaves.len()..plan.order.len() {
-        let Some(&node) = plan.order.get(row) else { continue };
-        let (lower, upper) = plan.sides(row);
-        let columns = |range: core::ops::Range<usize>| plan.columns.get(range).unwrap_or(&[]);
-        for &column in columns(lower.start..upper.end) {
-            if let Some(slot) = work.dense.get_mut(column as usize) {
-                *slot = 0.0;
-            }
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn loops<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    every!(UNROLL, plan.leaves.len()..plan.order.len(), row => {
+        eliminate::<UNROLL>(plan, row, work);
+    });
+}
+
+/// Columns of these entries.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over rows")]
+fn columns<'p>(plan: &Plan<'p>, range: core::ops::Range<usize>) -> &'p [u32] {
+    plan.columns.get(range).unwrap_or(&[])
+}
+
+/// Eliminates one row.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over rows")]
+fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_>) {
+    let Some(&node) = plan.order.get(row) else { return };
+    let (lower, upper) = plan.sides(row);
+    let dense = &mut *work.dense;
+    every!(few UNROLL, columns(plan, lower.start..upper.end).iter(), &column => {
+        if let Some(slot) = dense.get_mut(column as usize) {
+            *slot = 0.0;
         }
-        for &[end, _, other] in plan.terms_of(node) {
-            let [through, _] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-            if let Some(slot) = work.dense.get_mut(other as usize) {
-                *slot += through;
-            }
+    });
+    every!(few UNROLL, plan.terms_of(node).iter(), &[end, _, other] => {
+        let [through, _] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+        if let Some(slot) = dense.get_mut(other as usize) {
+            *slot += through;
         }
-        let Some(&[mut held, mut known]) = work.rows.get(node as usize) else { continue };
-        for &by in columns(lower) {
-            let exchange = at(work.dense, by);
-            let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
-            let Some(&[share, increment]) = work.rows.get(of as usize) else { continue };
-            // What branches pass on was added when they were eliminated.
-            if (by as usize) < plan.leaves.len() {
-                continue;
-            }
+    });
+    let Some(&[mut held, mut known]) = work.rows.get(node as usize) else { return };
+    every!(few UNROLL, columns(plan, lower).iter(), &by => {
+        let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
+        // What branches pass on was added when they were eliminated.
+        if let (Some(&[share, increment]), true) =
+            (work.rows.get(of as usize), by as usize >= plan.leaves.len())
+        {
+            let exchange = at(dense, by);
             held += exchange * share;
             known += exchange * increment;
             let (_, theirs) = plan.sides(by as usize);
             let shares = work.entries.get(theirs.clone()).unwrap_or(&[]);
-            for (&column, share) in columns(theirs).iter().zip(shares) {
-                if let Some(slot) = work.dense.get_mut(column as usize) {
+            every!(few UNROLL, columns(plan, theirs).iter().zip(shares), (&column, share) => {
+                if let Some(slot) = dense.get_mut(column as usize) {
                     *slot += exchange * share;
                 }
-            }
+            });
         }
-        let exchanged: f32 = columns(upper.clone()).iter().map(|&column| at(work.dense, column)).sum();
-        let reciprocal = 1.0 / (held + exchanged);
-        let entries = work.entries.get_mut(upper.clone()).unwrap_or(&mut []);
-        for (&column, entry) in columns(upper).iter().zip(entries) {
-            *entry = at(work.dense, column) * reciprocal;
-        }
-        if let Some(row) = work.rows.get_mut(node as usize) {
-            *row = [held * reciprocal, known * reciprocal];
-        }
+    });
+    let mut exchanged = 0.0;
+    every!(few UNROLL, columns(plan, upper.clone()).iter(), &column => {
+        exchanged += at(dense, column);
+    });
+    let reciprocal = 1.0 / (held + exchanged);
+    let entries = work.entries.get_mut(upper.clone()).unwrap_or(&mut []);
+    every!(few UNROLL, columns(plan, upper).iter().zip(entries), (&column, entry) => {
+        *entry = at(dense, column) * reciprocal;
+    });
+    if let Some(row) = work.rows.get_mut(node as usize) {
+        *row = [held * reciprocal, known * reciprocal];
     }
 }
 
 /// Substitutes from the last row to the first.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn back(plan: &Plan<'_>, work: &mut Work<'_>) {
-    for row in (plan.leaves.len()..plan.order.len()).rev() {
-        let Some(&node) = plan.order.get(row) else { continue };
+fn back<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    every!(UNROLL, (plan.leaves.len()..plan.order.len()).rev(), row => {
+        let node = plan.order.get(row).copied().unwrap_or(Plan::NOWHERE);
         let (_, upper) = plan.sides(row);
         let shares = work.entries.get(upper.clone()).unwrap_or(&[]);
         let mut sum = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
-        for (&column, share) in plan.columns.get(upper).unwrap_or(&[]).iter().zip(shares) {
+        every!(few UNROLL, columns(plan, upper).iter().zip(shares), (&column, share) => {
             let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
             sum += share * at(work.change, later);
-        }
+        });
         if let Some(change) = work.change.get_mut(node as usize) {
             *change = sum;
         }
-    }
+    });
     let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
-    for ((&node, &[_, later]), share) in rows.rev() {
+    every!(UNROLL, rows.rev(), ((&node, &[_, later]), share) => {
         let increment = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         let value = increment + share * at(work.change, later);
         if let Some(change) = work.change.get_mut(node as usize) {
             *change = value;
         }
-    }
+    });
 }

@@ -13,33 +13,8 @@ use super::layout::{self, Port, at};
 use super::{CARRY_OVER, EXPECTED_DRIVE_PA};
 use crate::element::Element;
 use crate::method::responsive;
+use crate::unroll::every;
 use crate::{Network, math};
-
-/// A loop that is written out for a description known to the compiler, which then sees every turn by itself, and left
-/// as it is for any other, where the compiler takes several segments at once.
-macro_rules! every {
-    ($unroll:expr, $rows:expr, $row:pat => $body:block) => {{
-        let mut rows = $rows;
-        if $unroll {
-            loop {
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-                every!(@turn rows, $row => $body);
-            }
-        } else {
-            for $row in rows $body
-        }
-    }};
-    (@turn $rows:ident, $row:pat => $body:block) => {
-        let Some($row) = $rows.next() else { break };
-        $body
-    };
-}
 
 /// Momentum law of a reach in one stage: I/τ, R, L, laminar flow, and whether its slope needs the guard.
 #[derive(Clone, Copy)]
@@ -237,14 +212,19 @@ impl<E: Element, const UNROLL: bool> Model<'_, '_, E, UNROLL> {
     ) {
         let known = differ.iter().zip(pushed).zip(drop);
         let rows = columns.rows().zip(known).zip(q.iter_mut().zip(ports)).enumerate();
-        every!(UNROLL, rows, (index, (((figures, w), ((differ, pushed), drop)), (q, port))) => {
-            let dw = if START { 0.0 } else {
-                *drop += differ;
-                *q + port[0] * differ
-            };
-            let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *drop + pushed);
-            *q = fresh;
-            *port = [b, w + fresh];
+        every!(many UNROLL, rows, (index, (((figures, w), ((differ, pushed), drop)), (q, port))) => {
+            if UNROLL && layout::continues(&self.network.plan, index) {
+                // Solved as 1·w = 0, which nothing reads.
+                (*q, *port) = (0.0, [1.0, 0.0]);
+            } else {
+                let dw = if START { 0.0 } else {
+                    *drop += differ;
+                    *q + port[0] * differ
+                };
+                let (b, fresh) = self.momentum(index, figures).linearise(w, dw, *drop + pushed);
+                *q = fresh;
+                *port = [b, w + fresh];
+            }
         });
     }
 }

@@ -1,0 +1,230 @@
+//! What the flows of a step carry from volume to volume, and what happens to it on the way.
+
+use super::Climate;
+use super::buffers::{State, Work};
+use super::condenser::{CELLS, Coil, WallFigures, WallState};
+use super::exchanger;
+use super::medium::{LIQUID, NITROGEN};
+use super::parts::{Passage, Station};
+use super::step::{Stepped, input};
+use super::stream::Stream;
+use super::volume::{Contents, ENERGY, Stored};
+use crate::unroll::every;
+use crate::{Line, Network};
+
+/// A stream of air as a row; taken where `sign` is −1, with the same numbers.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn row(stream: &Stream, sign: f32) -> Stored {
+    let [a, b, c, d, e, f] = stream.mass_kg;
+    [sign * a, sign * b, sign * c, sign * d, sign * e, sign * f, sign * stream.energy_j, 0.0]
+}
+
+/// One coil of the network while it is stepped.
+fn coil<'c>(
+    climate: &'c Climate<'_>,
+    index: usize,
+    walls: &'c mut [WallState],
+    figures: &'c mut [WallFigures],
+) -> Option<Coil<'c>> {
+    let exchanger = climate.exchangers.get(index)?;
+    let range = CELLS * index..CELLS * (index + 1);
+    Some(Coil {
+        condenser: &exchanger.condenser,
+        air: &climate.air,
+        reference_k: climate.reference_k,
+        start_theta_k: exchanger.start_k - climate.reference_k,
+        walls: walls.get_mut(range.clone())?,
+        figures: figures.get_mut(range)?,
+    })
+}
+
+/// Derives the temperatures of all walls.
+pub(super) fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
+    for index in 0..climate.exchangers.len() {
+        if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+            coil.begin();
+        }
+    }
+}
+
+/// Passes every line's stream from the volume upstream through its stations to the volume downstream.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(super) fn move_lines<E, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    at: Stepped<'_>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    let mut stations = network.climate.stations;
+    every!(UNROLL, network.lines.iter().enumerate(), (index, line) => {
+        let count = stations.iter().take_while(|station| station.line as usize == index).count();
+        let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
+        stations = rest;
+        move_line(network, at, (index, line), here, state, work);
+    });
+}
+
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn move_line<E>(
+    network: &Network<'_, E>,
+    at: Stepped<'_>,
+    (index, line): (usize, &Line),
+    here: &[Station],
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    let Some(&[sum, carry]) =
+        at.given.sums.get(index * at.given.stride..).and_then(|rest| rest.first_chunk())
+    else {
+        return;
+    };
+    let Some([last_sum, last_carry]) = work.given.get_mut(index) else { return };
+    // What the method's compensated sum grew by in this step.
+    let moved = (sum - *last_sum) - (carry - *last_carry);
+    (*last_sum, *last_carry) = (sum, carry);
+    let (from, to) = (line.from as usize, line.to as usize);
+    // Said twice, both ends are known where the description is.
+    if moved < 0.0 {
+        carry_over::<E, true>(network, at, (to, from), -moved, here, state, work);
+    } else {
+        carry_over::<E, false>(network, at, (from, to), moved, here, state, work);
+    }
+}
+
+/// Carries `mass` [kg] from the volume `up` to the volume `down`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn carry_over<E, const REVERSED: bool>(
+    network: &Network<'_, E>,
+    at: Stepped<'_>,
+    (up, down): (usize, usize),
+    mass: f32,
+    here: &[Station],
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    let climate = &network.climate;
+    if let Some(figures) = work.figures.get_mut(down) {
+        figures[3] += mass;
+    }
+    let (Some(volume), Some(fractions), Some(figures)) =
+        (climate.volumes.get(up), work.fractions.get(up), work.figures.get_mut(up))
+    else {
+        return;
+    };
+    figures[4] += mass;
+    let [theta, pressure, ..] = *figures;
+    if volume.contents == Contents::Air {
+        let mut stream = Stream::of(mass, fractions, theta, &climate.air);
+        work.books.add_flow(up, &row(&stream, -1.0));
+        let place = (pressure, REVERSED);
+        meet(climate, at, here, &mut stream, place, state, work);
+        work.books.add_flow(down, &row(&stream, 1.0));
+    } else {
+        let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
+        work.books.add(up, [NITROGEN, ENERGY], [-mass, -stream.energy_j]);
+        let place = (pressure, REVERSED);
+        meet(climate, at, here, &mut stream, place, state, work);
+        work.books.add(down, [NITROGEN, ENERGY], [mass, stream.energy_j]);
+    }
+}
+
+/// What a stream meets on its way.
+#[inline]
+fn meet(
+    climate: &Climate<'_>,
+    at: Stepped<'_>,
+    here: &[Station],
+    stream: &mut Stream,
+    (pressure, reversed): (f32, bool),
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    for place in 0..here.len() {
+        let place = if reversed { here.len() - 1 - place } else { place };
+        if let Some(station) = here.get(place) {
+            pass(climate, at, &station.passage, stream, (pressure, reversed), state, work);
+        }
+    }
+}
+
+/// What a stream at `pressure` [Pa] meets at one station.
+#[inline]
+fn pass(
+    climate: &Climate<'_>,
+    at: Stepped<'_>,
+    passage: &Passage,
+    stream: &mut Stream,
+    (pressure, reversed): (f32, bool),
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    match *passage {
+        Passage::Machine { power_w, speed_input } => {
+            let speed = input(at.inputs, speed_input);
+            let heat = power_w * speed * speed * speed * at.step_s;
+            stream.energy_j += heat;
+            state.outside.supply_heat(heat);
+        }
+        Passage::Heater { power_input } => {
+            let heat = input(at.inputs, power_input) * at.step_s;
+            stream.energy_j += heat;
+            state.outside.supply_heat(heat);
+        }
+        Passage::Condenser(of) => {
+            let index = of as usize;
+            let before = *stream;
+            if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+                coil.pass_air(stream, at.step_s, pressure, reversed);
+            }
+            if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
+                *water = before.vapour_kg() - stream.vapour_kg();
+                *theta = stream.theta_k(&climate.air);
+                // What condenses leaves as a liquid, which lies below its vapour by the evaporation enthalpy.
+                let liquid = climate.air.flowing_j_kg_k[LIQUID] * *theta - climate.air.latent_j_kg;
+                *heat = (before.energy_j - stream.energy_j) - *water * liquid;
+            }
+        }
+        Passage::CoolantSide(of) => {
+            let index = of as usize;
+            let before = stream.energy_j;
+            if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+                coil.pass_coolant(stream, at.step_s, &climate.coolant);
+            }
+            if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
+                *taken = stream.energy_j - before;
+            }
+        }
+    }
+}
+
+/// Coolant from outside, then heat and water of all coils.
+pub(super) fn settle_coils(
+    climate: &Climate<'_>,
+    at: Stepped<'_>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    for (index, exchanger) in climate.exchangers.iter().enumerate() {
+        let slot = exchanger.first_input;
+        let Some(mut coil) = coil(climate, index, state.coils, work.coils) else { continue };
+        if exchanger.own_coolant {
+            let mass = input(at.inputs, slot + 1) * at.step_s;
+            let theta = input(at.inputs, slot + 2) - climate.reference_k;
+            let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
+            let before = stream.energy_j;
+            coil.pass_coolant(&mut stream, at.step_s, &climate.coolant);
+            state.outside.supply_heat(before - stream.energy_j);
+            if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
+                *taken = stream.energy_j - before;
+            }
+        }
+        let drained = coil.settle();
+        let Some(stores) = state.stores.get_mut(index) else { continue };
+        let lost = exchanger::separate(exchanger, stores, drained, input(at.inputs, slot), at.step_s);
+        work.books.add(exchanger.outlet_node as usize, [LIQUID, ENERGY], [lost.water_kg, lost.energy_j]);
+    }
+}
