@@ -92,7 +92,7 @@ fn more_coolant_never_warms_the_air_or_dries_it_less() {
 }
 
 /// The fits of `cargo run --release -p eclss-core --example fit_condenser sensitivity` with `U_c` held far off either
-/// way: what the table leaves open about the coolant's side moves the heat by less than 1 %.
+/// way: what the table leaves open about the coolant's side moves the heat by less than 2 %.
 #[test]
 fn what_the_table_leaves_open_hardly_moves_the_heat() {
     let weak = Condenser { air_w_k: 554.3, air_exponent: 0.5606, coolant_w_k: 4_000.0, ..CCAA };
@@ -101,7 +101,7 @@ fn what_the_table_leaves_open_hardly_moves_the_heat() {
         let [own, weak, strong] =
             [CCAA, weak, strong].map(|coil| at_rest(&coil, inlet, 1_500, 0.2).coolant_w);
         for other in [weak, strong] {
-            assert!((other / own - 1.0).abs() < 0.01, "{inlet:?}: {own} W, {other} W");
+            assert!((other / own - 1.0).abs() < 0.02, "{inlet:?}: {own} W, {other} W");
         }
     }
 }
