@@ -257,3 +257,41 @@ fn the_report_opens_from_disk_and_asks_nobody() {
         assert!(link.starts_with("file://"), "asked {link}");
     }
 }
+
+/// A loop with hardware shows its mode, what its channels are worth, and its link, on the same page.
+#[cfg(feature = "hil")]
+#[test]
+fn a_loop_with_hardware_shows_mode_channels_and_link() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks/hil.toml");
+    let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_eclss-rt"))
+        .args(["hil", "--loopback", "--page", "127.0.0.1:8993", "--duration", "120s", "--network"])
+        .arg(file)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let browser = Browser::start(1440, 1000);
+    sleep(Duration::from_millis(500));
+    browser.open("http://127.0.0.1:8993/");
+    browser.wait("frames arrive", "return Number(document.documentElement.dataset.frames || 0) > 3");
+    let told = "return document.querySelector('#loop').textContent";
+    browser.wait("the mode is shown", "return /ModeRUN/.test(document.querySelector('#loop').textContent)");
+    assert!(browser.run(told).as_str().unwrap().contains("Linkup"), "{}", browser.run(told));
+    let channels =
+        "return [...document.querySelectorAll('#channels tr')].map((row) => row.textContent).join()";
+    browser.wait(
+        "outputs are good",
+        "return /loop.mass_flowoutgood0/.test(document.querySelector('#channels').textContent)",
+    );
+    assert!(
+        browser.run(channels).as_str().unwrap().starts_with("valve.opening"),
+        "{}",
+        browser.run(channels)
+    );
+    assert_quiet(&browser);
+    if let Ok(folder) = std::env::var("ECLSS_PICTURES") {
+        std::fs::write(Path::new(&folder).join("hil.png"), browser.picture()).unwrap();
+    }
+    // Our own, by its number.
+    run.kill().unwrap();
+    run.wait().unwrap();
+}
