@@ -1,5 +1,7 @@
 //! Heat, moisture and control in a file: what is refused and where, and how the shipped module behaves.
 
+use std::fmt::Write as _;
+
 use eclss_core::climate::monitor::{Limit, Monitor};
 use eclss_core::{Buffers, Health, InputError, Settings, Simulator};
 use eclss_network_file::{Loaded, parse};
@@ -131,7 +133,8 @@ fn a_climate_is_bound_to_channels() {
         ("che.condensate", 0.0, 0.01),
         ("che.air_outlet", 273.0, 323.0),
     ] {
-        text += &format!(
+        let _ = write!(
+            text,
             "\n[[channel]]\nbind = \"{bind}\"\ndirection = \"out\"\nmin = {min:?}\nmax = {max:?}\nsafe_value = {min:?}\n"
         );
     }
@@ -140,7 +143,8 @@ fn a_climate_is_bound_to_channels() {
         ("cabin_temperature.sensor_fault", 2.0, 0.0),
         ("che.separator_efficiency", 1.0, 1.0),
     ] {
-        text += &format!(
+        let _ = write!(
+            text,
             "\n[[channel]]\nbind = \"{bind}\"\ndirection = \"in\"\nmin = 0.0\nmax = {max:?}\nsafe_value = {safe:?}\n"
         );
     }
