@@ -127,6 +127,14 @@ impl Losses {
         (1.0 / self.forward.slope(self.w)).min(1.0 / self.reverse.slope(self.w))
     }
 
+    /// The larger of both directions where it rests: inertance swings longest through what is open [kg/(s·Pa)].
+    fn widest(&self) -> f64 {
+        if self.drive_pa().abs() > REST_PA {
+            return self.slope();
+        }
+        (1.0 / self.forward.slope(self.w)).max(1.0 / self.reverse.slope(self.w))
+    }
+
     /// Slope of the chord from the flow to that at a drive which is larger `by` [Pa].
     fn chord(&self, by: f64) -> f64 {
         let y = self.drive_pa() + by;
@@ -156,7 +164,7 @@ pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage)
         secants[line.from as usize] += loss.secant();
         secants[line.to as usize] += loss.secant();
         let inertance: f64 = network.segments_of(line).iter().map(|s| f64::from(s.inertance_per_m)).sum();
-        columns_s = columns_s.max(2.0 * inertance * loss.slope());
+        columns_s = columns_s.max(2.0 * inertance * loss.widest());
     }
     let capacities = capacities(network, storage, &secants);
     let nodes = slowest(network, &capacities, &near).max(slowest(network, &capacities, &far));
