@@ -120,8 +120,9 @@ pub(crate) fn start<E: Element>(
                 *slot = value;
             }
         }
-        if let Some(holds) = work.holds.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
-            *holds = 1.0;
+        // A held pressure holds all of itself.
+        if let Some(swept) = work.swept.get_mut(index).filter(|_| node.kind == NodeKind::Boundary) {
+            *swept = [1.0, 0.0];
         }
     }
     for line in network.lines {

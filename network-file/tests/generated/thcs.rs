@@ -45,13 +45,13 @@ pub const RELAXATION: Sizes = Sizes { state: 450, work: 422, inputs: 165, cursor
 pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 444, inputs: 165, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 695, inputs: 165, cursors: 4 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 488, work: 695, inputs: 165, cursors: 4 };
+pub const TR_BDF2: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 488, work: 695, inputs: 165, cursors: 4 };
+pub const BUFFERS: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
 
 /// Nodes.
 pub static NODES: [Node; 7] = [

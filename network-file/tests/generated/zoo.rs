@@ -40,10 +40,10 @@ pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors
 pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 453, inputs: 15, cursors: 3 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 450, inputs: 15, cursors: 3 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 140, work: 453, inputs: 15, cursors: 3 };
+pub const TR_BDF2: Sizes = Sizes { state: 140, work: 450, inputs: 15, cursors: 3 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };

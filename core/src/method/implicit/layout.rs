@@ -27,8 +27,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
         Common::length(network) + 2 * nodes + 4 * segments + network.memory_slots(),
         3 * (nodes + segments)
             + 4 * nodes
-            + (nodes + 1)
-            + 2 * nodes
+            + 2 * (nodes + 1)
             + of_segments
             + 3 * ports
             + 2 * rows
@@ -95,11 +94,9 @@ pub(crate) struct Work<'w> {
     pub(crate) known: &'w mut [f32],
     /// dp/dm of every node [Pa/kg].
     pub(crate) per_mass: &'w mut [f32],
-    /// 1 for a node that holds its pressure, 0 for any other, and one more 0.
-    pub(crate) holds: &'w mut [f32],
-    /// What a node holds [kg/(s·Pa)] and the known part of its balance [kg/s]; once it is eliminated the share of
-    /// itself that it holds [1] and its correction where later nodes do not move [Pa].
-    pub(crate) rows: &'w mut [[f32; 2]],
+    /// Share of itself that an eliminated node holds [1] and its correction where later nodes do not move [Pa]; one
+    /// more of zeros for a node that is not eliminated yet.
+    pub(crate) swept: &'w mut [[f32; 2]],
     /// I/τ [Pa·s/kg], R, L and head of every reach in this stage, its laminar flow [kg/s], and 1 where its slope
     /// needs a guard.
     pub(crate) inertia: &'w mut [f32],
@@ -148,8 +145,7 @@ impl<'w> Work<'w> {
             excess: cut.take(nodes),
             known: cut.take(nodes),
             per_mass: cut.take(nodes),
-            holds: cut.take(nodes + 1),
-            rows: cut.take_rows(nodes),
+            swept: cut.take_rows(nodes + 1),
             inertia: cut.take(segments),
             quadratic: cut.take(segments),
             linear: cut.take(segments),

@@ -11,10 +11,9 @@
 //! is ever subtracted and every figure keeps its relative precision (Grassmann, Taksar and Heyman 1985, for chains
 //! of states). There is no pivoting: the pattern decides the sequence of operations, the values do not.
 //!
-//! Branches of a tree go first: a node with one neighbour left needs no pattern and passes on what it has when it is
-//! eliminated. What has loops follows.
+//! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
 
-use super::layout::{Work, at};
+use super::layout::{Port, Work, at};
 use crate::unroll::every;
 use crate::{Network, Plan};
 
@@ -31,10 +30,8 @@ pub(crate) fn inward(value: f32, end: u32) -> f32 {
 pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut Work<'_>) {
     let plan = &network.plan;
     if UNROLL {
-        sum::<true>(plan, work);
         branches::<true>(plan, work);
     } else {
-        sum_apart(plan, work);
         branches_apart(plan, work);
     }
     if plan.leaves.len() < plan.order.len() {
@@ -53,23 +50,17 @@ pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut 
 
 /// A function of its own, whose loop then has the processor's registers for itself.
 #[inline(never)]
-fn sum_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    sum::<false>(plan, work);
-}
-
-/// Like [`sum_apart`].
-#[inline(never)]
 fn branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     branches::<false>(plan, work);
 }
 
-/// Like [`sum_apart`].
+/// Like [`branches_apart`].
 #[inline(never)]
 fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     back::<false>(plan, work);
 }
 
-/// Like [`sum_apart`].
+/// Like [`branches_apart`].
 #[inline(never)]
 fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     loops::<false>(plan, work);
@@ -83,42 +74,45 @@ pub(crate) fn terms<'p>(plan: &'p Plan<'_>) -> impl Iterator<Item = &'p [[u32; 3
     bounds.map(|(&first, &past)| plan.terms.get(first as usize..past as usize).unwrap_or(&[]))
 }
 
-/// What every row has before it is reduced: e, with what it exchanges with held pressures, and r. No node waits for
-/// another here.
+/// Sums of a row before it is reduced: e, r and the diagonal, which begins with what is passed on.
+#[derive(Clone, Copy)]
+struct Row {
+    held: f32,
+    known: f32,
+    /// Summed beside what is held, so that the division need not wait for one more addition.
+    diagonal: f32,
+}
+
+/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn sum<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
-    let (ports, holds) = (&*work.ports, &*work.holds);
-    let known = work.excess.iter().zip(work.known.iter());
-    let rows = work.rows.iter_mut().zip(known).zip(terms(plan));
-    every!(UNROLL, rows, ((row, (excess, known)), terms) => {
-        let (mut held, mut sum) = (*excess, *known);
-        every!(few UNROLL, terms.iter(), &[end, by, _] => {
-            let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-            held += through * at(holds, by);
-            sum += inward(flow, end);
-        });
-        *row = [held, sum];
+#[allow(clippy::inline_always, reason = "part of the loop over rows")]
+fn gather<const UNROLL: bool>(terms: &[[u32; 3]], mut row: Row, ports: &[Port], swept: &[[f32; 2]]) -> Row {
+    every!(few UNROLL, terms.iter(), &[end, by, _] => {
+        let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+        let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
+        let theirs = through * share;
+        row.held += theirs;
+        row.diagonal += theirs;
+        row.known += through * increment + inward(flow, end);
     });
+    row
 }
 
 /// Eliminates the nodes that have one neighbour left, or none.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
-    let (ports, rows) = (&*work.ports, &mut *work.rows);
+    let (ports, swept) = (&*work.ports, &mut *work.swept);
     let leaves = plan.order.iter().zip(plan.leaves).zip(work.onward.iter_mut());
-    every!(UNROLL, leaves, ((&node, &[port, later]), share) => {
+    every!(UNROLL, leaves, ((&node, &[port, _]), share) => {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
-        if let Some(row) = rows.get_mut(node as usize) {
-            let [held, known] = *row;
-            let reciprocal = 1.0 / (held + onward);
-            *share = onward * reciprocal;
-            *row = [held * reciprocal, known * reciprocal];
-            if let Some([held_later, known_later]) = rows.get_mut(later as usize) {
-                *held_later += held * *share;
-                *known_later += known * *share;
-            }
+        let held = at(work.excess, node);
+        let start = Row { held, known: at(work.known, node), diagonal: held + onward };
+        let row = gather::<UNROLL>(plan.terms_of(node), start, ports, swept);
+        let reciprocal = 1.0 / row.diagonal;
+        *share = onward * reciprocal;
+        if let Some(swept) = swept.get_mut(node as usize) {
+            *swept = [row.held * reciprocal, row.known * reciprocal];
         }
     });
 }
@@ -157,12 +151,15 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
             *slot += through;
         }
     });
-    let Some(&[mut held, mut known]) = work.rows.get(node as usize) else { return };
+    let held = at(work.excess, node);
+    let start = Row { held, known: at(work.known, node), diagonal: held };
+    let Row { mut held, mut known, .. } =
+        gather::<UNROLL>(plan.terms_of(node), start, work.ports, work.swept);
     every!(few UNROLL, columns(plan, lower).iter(), &by => {
         let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
-        // What branches pass on was added when they were eliminated.
+        // What branches pass on was gathered.
         if let (Some(&[share, increment]), true) =
-            (work.rows.get(of as usize), by as usize >= plan.leaves.len())
+            (work.swept.get(of as usize), by as usize >= plan.leaves.len())
         {
             let exchange = at(dense, by);
             held += exchange * share;
@@ -185,7 +182,7 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
     every!(few UNROLL, columns(plan, upper).iter().zip(entries), (&column, entry) => {
         *entry = at(dense, column) * reciprocal;
     });
-    if let Some(row) = work.rows.get_mut(node as usize) {
+    if let Some(row) = work.swept.get_mut(node as usize) {
         *row = [held * reciprocal, known * reciprocal];
     }
 }
@@ -198,7 +195,7 @@ fn back<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
         let node = plan.order.get(row).copied().unwrap_or(Plan::NOWHERE);
         let (_, upper) = plan.sides(row);
         let shares = work.entries.get(upper.clone()).unwrap_or(&[]);
-        let mut sum = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        let mut sum = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         every!(few UNROLL, columns(plan, upper).iter().zip(shares), (&column, share) => {
             let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
             sum += share * at(work.change, later);
@@ -209,7 +206,7 @@ fn back<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     });
     let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
     every!(UNROLL, rows.rev(), ((&node, &[_, later]), share) => {
-        let increment = work.rows.get(node as usize).map_or(0.0, |[_, increment]| *increment);
+        let increment = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         let value = increment + share * at(work.change, later);
         if let Some(change) = work.change.get_mut(node as usize) {
             *change = value;
