@@ -126,7 +126,8 @@ const EXP2: [f32; 8] = [
 ///
 /// Always the same operations. The exponent of two of `x` and the logarithm of its mantissa are kept apart
 /// and the product with `exponent` is split, so that a large power does not cost digits.
-#[inline]
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "half as dear where the exponent is known to the compiler")]
 pub fn pow(x: f32, exponent: f32) -> f32 {
     // x = 2^e·m with m in [√½, √2)
     let bits = x.to_bits();

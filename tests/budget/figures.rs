@@ -39,9 +39,11 @@ impl Figure {
 
 /// Everything that is counted on one board.
 pub(crate) fn measure(machine: &str) -> Vec<Figure> {
-    let run = emulator::measure(machine, &["figures=all"]);
-    assert!(run.status.success(), "{}", run.log.join("\n"));
-    run.log.iter().filter_map(|line| Figure::read(line)).collect()
+    let runs = [emulator::measure(machine, &["figures=all"]), emulator::measure_day(machine)];
+    for run in &runs {
+        assert!(run.status.success(), "{}", run.log.join("\n"));
+    }
+    runs.iter().flat_map(|run| &run.log).filter_map(|line| Figure::read(line)).collect()
 }
 
 /// The whole tick of a board's firmware over the paper's scenario [instructions], and its worst stack [bytes].

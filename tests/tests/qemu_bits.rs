@@ -9,7 +9,7 @@ use eclss_core::{Fingerprint, Health, Method, Network, Settings, StdElement};
 use eclss_network_file::Loaded;
 use eclss_target::image;
 use eclss_tests::product::with_simulator;
-use emulator::{MACHINES, measure, run};
+use emulator::{MACHINES, measure, measure_day, run};
 
 /// Steps of 1 ms that the scenario takes.
 const STEPS: u64 = 26_000;
@@ -95,7 +95,7 @@ fn a_day_of_heat_moisture_and_control_ends_in_the_same_state_on_every_machine() 
     .expect("the method takes it");
     assert!(water > 1e-3, "nothing condensed: {water} kg");
     for machine in MACHINES {
-        let run = measure(machine, &["figures=all"]);
+        let run = measure_day(machine);
         for form in ["thcs", "thcs-loaded"] {
             let ended = run.after(&format!("run {form} {} ", method.name()));
             assert_eq!(

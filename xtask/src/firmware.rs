@@ -25,11 +25,12 @@ pub(crate) const BOARDS: [Board; 4] = [
     Board { name: "rt-pc", machine: None, hosted: true },
 ];
 
-/// Programs of the tests, built like a board's firmware: one counts instructions, one is nothing but a step, one has
+/// Programs of the tests, built like a board's firmware: two count instructions, one is nothing but a step, one has
 /// hardware on its link.
-pub(crate) const TEST_PROGRAMS: [Board; 3] = [
+pub(crate) const TEST_PROGRAMS: [Board; 4] = [
     Board { name: "qemu-hil-an386", machine: None, hosted: false },
     Board { name: "measure", machine: None, hosted: false },
+    Board { name: "measure-day", machine: None, hosted: false },
     Board { name: "bare", machine: None, hosted: false },
 ];
 

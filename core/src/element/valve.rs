@@ -23,7 +23,8 @@ pub struct Valve {
 
 impl Valve {
     /// Returns R(C) [Pa·s²/kg²] for `opening` [1, 0 closed … 1 open].
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "half as dear where the exponent is known to the compiler")]
     pub fn resistance_pa_s2_kg2(&self, opening: f32) -> f32 {
         let opening = math::larger(opening, self.leakage_opening);
         // The orifice's own exponent needs no power.
@@ -50,7 +51,8 @@ impl Element for Valve {
         false
     }
 
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "like the resistance")]
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = at.inputs.first().copied().unwrap_or(1.0);
         Law::quadratic(self.resistance_pa_s2_kg2(opening) / at.density_ratio)

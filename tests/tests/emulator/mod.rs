@@ -44,6 +44,11 @@ pub(crate) fn measure(machine: &str, words: &[&str]) -> Run {
     logged(machine, &elf("measure"), COUNTING, words)
 }
 
+/// Runs the program that counts the instructions of a day of temperature and humidity control.
+pub(crate) fn measure_day(machine: &str) -> Run {
+    logged(machine, &elf("measure-day"), COUNTING, &["figures=all"])
+}
+
 /// Runs the program that counts instructions and writes down the address of each.
 pub(crate) fn trace(machine: &str, words: &[&str], file: &Path) -> Run {
     let elf = elf("measure");
