@@ -12,7 +12,7 @@ use static_cell::ConstStaticCell;
 macro_rules! generated {
     ($(#[$about:meta])* $module:ident, $file:literal) => {
         $(#[$about])*
-        #[allow(clippy::unreadable_literal, clippy::excessive_precision, reason = "generated")]
+        #[allow(clippy::unreadable_literal, clippy::excessive_precision, clippy::enum_glob_use, reason = "generated")]
         #[allow(missing_docs, dead_code, unreachable_pub, reason = "generated")]
         mod $module {
             include!(concat!(env!("OUT_DIR"), "/", $file));
