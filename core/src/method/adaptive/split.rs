@@ -18,7 +18,8 @@ use crate::operator::{self, Margin};
 use crate::simulator::Place;
 use crate::{End, Network, math};
 
-/// Lines whose pressure differences are gathered before their arithmetic, which then runs over arrays.
+/// Lines whose pressure differences, and nodes whose transfers, are gathered before their arithmetic, which then runs over
+/// arrays.
 const BLOCK: usize = 64;
 
 /// Lines, and nodes, that are not split further: some microseconds of work.
@@ -352,7 +353,7 @@ impl Sources<'_> {
     }
 }
 
-/// Moves nodes by what their lines passed.
+/// Moves nodes by what their lines passed: scattered reads first, then arithmetic over arrays.
 fn step_nodes(join: &impl Join, range: Range, ends: &[End], sources: Sources<'_>, nodes: Nodes<'_>) -> Watch {
     if nodes.states.len() >= 2 * RANGE {
         let (left, right) = nodes.halves();
@@ -362,14 +363,25 @@ fn step_nodes(join: &impl Join, range: Range, ends: &[End], sources: Sources<'_>
         );
         return left.with(right);
     }
+    let Nodes { mut starts, states, pressures, constants } = nodes;
     let mut watch = Watch::NOTHING;
-    let rows = nodes.starts.windows(2).zip(nodes.states).zip(nodes.pressures.iter_mut().zip(nodes.constants));
-    for ((bounds, state), (pressure, constants)) in rows {
-        let &[first, past] = bounds else { break };
-        let arrived = sources.gather(ends.get(first as usize..past as usize).unwrap_or(&[]));
-        let phi;
-        (*pressure, phi) = move_node(state, *constants, arrived);
-        watch.node(range, *pressure, phi);
+    let [mut net, mut lost, mut conductance] = [[0.0; BLOCK]; 3];
+    let blocks = states.chunks_mut(BLOCK).zip(pressures.chunks_mut(BLOCK)).zip(constants.chunks(BLOCK));
+    for ((states, pressures), constants) in blocks {
+        let sums = net.iter_mut().zip(&mut lost).zip(&mut conductance);
+        for (((net, lost), conductance), bounds) in sums.zip(starts.windows(2)) {
+            let &[first, past] = bounds else { break };
+            [*net, *lost, *conductance] =
+                sources.gather(ends.get(first as usize..past as usize).unwrap_or(&[]));
+        }
+        starts = starts.get(states.len()..).unwrap_or(&[]);
+        let arrived = net.iter().zip(&lost).zip(&conductance);
+        let rows = states.iter_mut().zip(pressures).zip(constants).zip(arrived);
+        for (((state, pressure), constants), ((net, lost), conductance)) in rows {
+            let phi;
+            (*pressure, phi) = move_node(state, *constants, [*net, *lost, *conductance]);
+            watch.node(range, *pressure, phi);
+        }
     }
     watch
 }
