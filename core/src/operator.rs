@@ -91,12 +91,15 @@ pub struct FlowRow {
 
 impl FlowRow {
     /// h·|a| of the flow row [1].
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "two products and a sum")]
     pub fn stiffness(&self) -> f32 {
         self.step * (self.slope * self.own + self.own_linear)
     }
 
     /// Returns the margin of this line for any φ, also for none (φ = 1 whatever the stiffness).
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
     pub fn margin(&self, phi: f32) -> Margin {
         let overshoot = self.step * phi * (self.slope * self.own + self.own_linear) - 1.0;
         // With φ the flow row lands on the centre; what is left there is rounding.
@@ -108,7 +111,8 @@ impl FlowRow {
     }
 
     /// Returns the margin of this line with the φ of [`phi`], which keeps the flow row from overshooting.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
     pub fn margin_with_phi(&self, phi: f32) -> Margin {
         let own = phi * (self.slope * self.own + self.own_linear);
         let others = phi * self.slope * self.others;

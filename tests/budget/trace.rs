@@ -188,11 +188,11 @@ fn part_of(file: &str, function: &str) -> Option<Part> {
     }
     match (place, function) {
         ("schedule.rs", _) | (_, "follow_schedules") => Some(Part::Schedule),
-        ("math.rs", "beyond") => Some(Part::Health),
+        ("math.rs", "beyond") | ("simulator/health.rs", _) => Some(Part::Health),
         ("operator.rs", "phi" | "stiffness") => Some(Part::Equations),
         ("operator.rs", _) => Some(Part::Margin),
         (_, "book" | "transfer" | "add_mass") => Some(Part::Ledger),
-        ("simulator.rs", _) => Some(Part::Rest),
+        _ if place.starts_with("simulator") => Some(Part::Rest),
         _ if place.starts_with("element") => Some(Part::Laws),
         _ if place.starts_with("method") => Some(Part::Equations),
         _ => None,
@@ -225,6 +225,8 @@ mod tests {
             ("/x/core/src/math.rs", "pow", None),
             ("/rustc/src/library/core/src/num/f32.rs", "abs", None),
             ("/x/core/src/operator.rs", "margin", Some(Part::Margin)),
+            ("/x/core/src/simulator/health.rs", "outside", Some(Part::Health)),
+            ("/x/core/src/simulator/compiled.rs", "step", Some(Part::Rest)),
         ] {
             assert_eq!(part_of(file, function), part, "{file}");
         }

@@ -18,12 +18,12 @@ use super::common::{self, Common, Cut};
 use crate::element::{Element, Operating};
 use crate::operator::{self, FlowRow, Margin, Proof};
 use crate::simulator::{Fault, Place};
-use crate::{Line, Method, MethodError, Network, Segment, math};
+use crate::unroll::every;
+use crate::{Active, Line, Method, MethodError, Network, Segment, math};
 
-/// Figures that a step keeps for a line: ΣR of its rows, the constant part and all of it; ΣR of the flow row, the
-/// constant part (forward, reverse) and all of it, and ΣL; head of the flow row, the constant part and all of it;
-/// ratio of inlet and of outlet flow to the line's.
-const LINE_FIGURES: usize = 10;
+/// Figures that a line keeps, of all elements whose law never changes: ΣR of its rows; ΣR of the flow row, forward and
+/// reverse; head of the flow row; ratio of inlet and of outlet flow to the line's.
+const LINE_FIGURES: usize = 6;
 
 /// Largest pressure difference between the nodes of a line at the start [Pa]. The flow row has a unit rate: from rest
 /// it gains h·Δp [kg/s] in one step, which at ventilation pressures is little and at a leak to vacuum a cabin's air.
@@ -96,7 +96,7 @@ struct Work<'w> {
     pressure: &'w mut [f32],
     /// dp/dm of every node [Pa/kg].
     per_mass: &'w mut [f32],
-    /// Sums over each line's segments.
+    /// Sums over each line's segments whose law never changes.
     lines: &'w mut [[f32; LINE_FIGURES]],
     /// Resistance of each row as the line's own flow meets it: forward, `R·m²`, and reverse, R.
     forward: &'w mut [f32],
@@ -135,7 +135,7 @@ pub(crate) fn start<E: Element>(
     }
     for ((line, [flow, ..]), figures) in network.lines.iter().zip(state.common.lines).zip(work.lines) {
         *flow = line.start_flow_kg_s;
-        let [rows_sum, _, fold, fold_plain, _, _, fold_head, _, inlet, outlet] = figures;
+        let [rows_sum, fold, fold_plain, fold_head, inlet, outlet] = figures;
         *outlet = common::flow_ratios(network, line, |index, segment, ratio| {
             let place = line.first_segment as usize + index;
             let square = ratio * ratio;
@@ -185,19 +185,16 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     inputs: &[f32],
 ) -> (Margin, Option<Place>) {
     let (mut state, mut work) = (State::of(network, state), Work::of(network, work));
-    refresh::<E, UNROLL>(network, inputs, &state, &mut work);
+    let mut active = network.active;
     let mut margin = Margin::FREE;
     let mut place = None;
-    for (index, line) in (0u32..).zip(network.lines) {
-        let own = step_line(index as usize, line, h, stabilised, &mut state, &mut work);
+    for (index, line) in network.lines.iter().enumerate() {
+        let w = state.common.lines.get(index).map_or(0.0, |[w, ..]| *w);
+        let sums = refresh::<E, UNROLL>(network, &mut active, inputs, index, line, w, &mut work);
+        let own = step_line::<UNROLL>(index, line, h, stabilised, &sums, &mut state, &work);
         margin = if index == 0 { own } else { margin.with(own) };
-        if state
-            .common
-            .lines
-            .get(index as usize)
-            .is_none_or(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S))
-        {
-            place = place.or(Some(Place::Line(index)));
+        if state.common.lines.get(index).is_none_or(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S)) {
+            place = place.or(Some(Place::Line(index as u32)));
         }
     }
     let nodes = state.common.nodes.iter().zip(work.pressure).zip(work.per_mass);
@@ -210,37 +207,54 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     (margin, place)
 }
 
-/// Evaluates the laws that may have changed. `UNROLL` walks all segments, for a description known to the
-/// compiler, which then keeps only those that are active; the order is the same.
+/// What a line's flow meets in this step.
+struct Sums {
+    /// ΣR of the rows [Pa·s²/kg²].
+    rows: f32,
+    /// ΣR [Pa·s²/kg²], ΣL [Pa·s/kg] and head [Pa] of the flow row.
+    fold: f32,
+    linear: f32,
+    head: f32,
+}
+
+/// Evaluates the laws of a line that may have changed, and sums. `UNROLL` walks all segments, for a description known
+/// to the compiler, which then keeps only those that are active; otherwise these are taken from the front of `active`,
+/// which is in the order of the lines.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn refresh<E: Element, const UNROLL: bool>(
+fn refresh<'a, E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
+    active: &mut &'a [Active],
     inputs: &[f32],
-    state: &State<'_>,
+    index: usize,
+    line: &Line,
+    w: f32,
     work: &mut Work<'_>,
-) {
-    for (figures, [w, ..]) in work.lines.iter_mut().zip(state.common.lines.iter()) {
-        let [rows_sum, rows, forward, reverse, fold, linear, fold_head, head, _, _] = figures;
-        (*rows, *linear, *head) = (*rows_sum, 0.0, *fold_head);
-        *fold = if *w > 0.0 { *forward } else { *reverse };
-    }
+) -> Sums {
+    let Some(&[rows, forward, reverse, head, _, _]) = work.lines.get(index) else {
+        return Sums { rows: 0.0, fold: 0.0, linear: 0.0, head: 0.0 };
+    };
+    let fold = if w > 0.0 { forward } else { reverse };
+    let mut sums = Sums { rows, fold, linear: 0.0, head };
     if UNROLL {
-        for (index, line) in network.lines.iter().enumerate() {
-            for (place, segment) in (line.first_segment as usize..).zip(network.segments_of(line)) {
-                if segment.element.is_active() {
-                    refresh_one(segment, line, index, place, inputs, state, work);
-                }
+        for (place, segment) in (line.first_segment as usize..).zip(network.segments_of(line)) {
+            if segment.element.is_active() {
+                refresh_one(segment, line, w, place, inputs, &mut sums, work);
             }
         }
     } else {
-        for active in network.active {
-            let (place, index) = (active.segment as usize, active.line as usize);
-            if let (Some(segment), Some(line)) = (network.segments.get(place), network.lines.get(index)) {
-                refresh_one(segment, line, index, place, inputs, state, work);
+        while let Some((first, rest)) = active.split_first() {
+            if first.line as usize != index {
+                break;
+            }
+            *active = rest;
+            let place = first.segment as usize;
+            if let Some(segment) = network.segments.get(place) {
+                refresh_one(segment, line, w, place, inputs, &mut sums, work);
             }
         }
     }
+    sums
 }
 
 #[inline(always)]
@@ -248,15 +262,13 @@ fn refresh<E: Element, const UNROLL: bool>(
 fn refresh_one<E: Element>(
     segment: &Segment<E>,
     line: &Line,
-    index: usize,
+    w: f32,
     place: usize,
     inputs: &[f32],
-    state: &State<'_>,
+    sums: &mut Sums,
     work: &mut Work<'_>,
 ) {
-    let (Some(figures), Some(&[w, ..]), Some(forward), Some(reverse), Some(head), Some(&own)) = (
-        work.lines.get_mut(index),
-        state.common.lines.get(index),
+    let (Some(forward), Some(reverse), Some(head), Some(&own)) = (
         work.forward.get_mut(place),
         work.reverse.get_mut(place),
         work.head.get_mut(place),
@@ -267,7 +279,6 @@ fn refresh_one<E: Element>(
     // Nothing is drained from reversed flow.
     let ratio = if w > 0.0 { own } else { 1.0 };
     let law = segment.element.law(&operating(segment, inputs, ratio * w));
-    let [_, rows, _, _, fold, linear, _, fold_head, _, _] = figures;
     if place < (line.first_segment + line.flow_segment) as usize {
         *reverse = law.resistance;
         if law.linear > 0.0 {
@@ -275,29 +286,32 @@ fn refresh_one<E: Element>(
         }
         *forward = *reverse * (own * own);
         *head = law.head;
-        *rows += *forward;
+        sums.rows += *forward;
     } else {
-        *fold += law.resistance * (ratio * ratio);
-        *linear += law.linear * ratio;
-        *fold_head += law.head;
+        sums.fold += law.resistance * (ratio * ratio);
+        if law.linear > 0.0 {
+            sums.linear += law.linear * ratio;
+        }
+        sums.head += law.head;
     }
 }
 
 /// One line: its rows with the flow of the step's start, then its flow, then what it moves between its nodes.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the only loop over lines")]
-fn step_line(
+fn step_line<const UNROLL: bool>(
     index: usize,
     line: &Line,
     h: f32,
     stabilised: bool,
+    sums: &Sums,
     state: &mut State<'_>,
-    work: &mut Work<'_>,
+    work: &Work<'_>,
 ) -> Margin {
     let (from, to) = (line.from as usize, line.to as usize);
     let first = line.first_segment as usize;
     let rows = first..first + line.flow_segment as usize;
-    let (Some(figures), Some([flow, flow_carry, ..]), Some(&p_from), Some(&p_to)) = (
+    let (Some(&[.., inlet, outlet]), Some([flow, flow_carry, ..]), Some(&p_from), Some(&p_to)) = (
         work.lines.get(index),
         state.common.lines.get_mut(index),
         work.pressure.get(from),
@@ -315,7 +329,7 @@ fn step_line(
     ) else {
         return Margin { phi: 0.0, spectral_bound: f32::INFINITY, proof: Proof::None };
     };
-    let &[_, others, _, _, folded, linear, _, fold_head, inlet, outlet] = figures;
+    let &Sums { rows: others, fold: folded, linear, head: fold_head } = sums;
 
     // w|w|, linear below the flow at which the whole line's loss is `laminar_below_pa`
     let (mut size, mut slope) = (w.abs(), 2.0 * w.abs());
@@ -328,11 +342,12 @@ fn step_line(
     let square = w * size;
 
     let mut before = 0.0;
-    for ((q, c), (&r, &f)) in gauge.iter_mut().zip(carry).zip(resistance.iter().zip(head)) {
+    let rows_of_line = gauge.iter_mut().zip(carry).zip(resistance.iter().zip(head));
+    every!(UNROLL, rows_of_line, ((q, c), (&r, &f)) => {
         let rate = before - *q + f - r * square;
         before = *q;
         math::compensated_add(q, c, h * rate);
-    }
+    });
 
     let rows = line.flow_segment as f32;
     let row = FlowRow { step: h, slope, own: folded, own_linear: linear, others, rows };
