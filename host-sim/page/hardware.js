@@ -1,5 +1,6 @@
 // The loop and its hardware: mode, overruns, link, and what each channel is worth. Hidden where there is none.
 
+import { writeAll } from "./figures.js";
 import { show } from "./units.js";
 
 const element = (id) => document.getElementById(id);
@@ -45,19 +46,7 @@ export class Hardware {
         ["Round trip", link.round_trip_us === null ? "–" : `${link.round_trip_us} µs`],
       ] : []),
     ];
-    const list = element("loop");
-    if (list.childElementCount !== 2 * lines.length) {
-      list.replaceChildren(...lines.flatMap(([name]) => {
-        const term = document.createElement("dt");
-        term.textContent = name;
-        return [term, document.createElement("dd")];
-      }));
-    }
-    lines.forEach(([, text, bad], number) => {
-      const cell = list.children[2 * number + 1];
-      if (cell.textContent !== text) cell.textContent = text;
-      cell.classList.toggle("bad", Boolean(bad));
-    });
+    writeAll(element("loop"), lines);
     this.rows.forEach((cells, place) => {
       const [, , quality, rejected] = cells.children;
       quality.textContent = hardware.quality[place] ?? "";

@@ -4,6 +4,7 @@ import { Air } from "./air.js";
 import { Charts } from "./charts.js";
 import { Controls } from "./controls.js";
 import { Drawing } from "./drawing.js";
+import { writeAll } from "./figures.js";
 import { Hardware } from "./hardware.js";
 import { Recorder } from "./recorder.js";
 import { ask, listen, load } from "./stream.js";
@@ -130,19 +131,7 @@ function figures(built, frame) {
     ["State", f.trusted ? "trusted" : "left its range", !f.trusted],
     ["Frames dropped", String(frame.missed)], ["Updates", `${show(built.rate, 1)} /s`],
   ];
-  const list = element("figures");
-  if (list.childElementCount !== 2 * lines.length) {
-    list.replaceChildren(...lines.flatMap(([name]) => {
-      const term = document.createElement("dt");
-      term.textContent = name;
-      return [term, document.createElement("dd")];
-    }));
-  }
-  lines.forEach(([, text, bad], number) => {
-    const cell = list.children[2 * number + 1];
-    if (cell.textContent !== text) cell.textContent = text;
-    cell.classList.toggle("bad", Boolean(bad));
-  });
+  writeAll(element("figures"), lines);
 }
 
 function table(built, frame) {

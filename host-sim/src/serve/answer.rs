@@ -13,12 +13,13 @@ use super::request::{Refusal, Request};
 use super::server::Shared;
 
 /// Files of the page: path, type, content. All of it is part of the program.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("/", "text/html; charset=utf-8", include_str!("../../page/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_str!("../../page/page.css")),
     ("/schematic.css", "text/css; charset=utf-8", include_str!("../../page/schematic.css")),
     ("/main.js", SCRIPT, include_str!("../../page/main.js")),
     ("/stream.js", SCRIPT, include_str!("../../page/stream.js")),
+    ("/figures.js", SCRIPT, include_str!("../../page/figures.js")),
     ("/units.js", SCRIPT, include_str!("../../page/units.js")),
     ("/drawing.js", SCRIPT, include_str!("../../page/drawing.js")),
     ("/trends.js", SCRIPT, include_str!("../../page/trends.js")),
