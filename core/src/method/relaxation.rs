@@ -222,9 +222,9 @@ struct Sums {
 /// which is in the order of the lines.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn refresh<'a, E: Element, const UNROLL: bool>(
+fn refresh<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
-    active: &mut &'a [Active],
+    active: &mut &[Active],
     inputs: &[f32],
     index: usize,
     line: &Line,
@@ -289,10 +289,13 @@ fn refresh_one<E: Element>(
         sums.rows += *forward;
     } else {
         sums.fold += law.resistance * (ratio * ratio);
+        // Most have neither, and the compiler knows it of those it sees.
         if law.linear > 0.0 {
             sums.linear += law.linear * ratio;
         }
-        sums.head += law.head;
+        if law.head != 0.0 {
+            sums.head += law.head;
+        }
     }
 }
 
@@ -353,7 +356,11 @@ fn step_line<const UNROLL: bool>(
     let row = FlowRow { step: h, slope, own: folded, own_linear: linear, others, rows };
     let phi = if stabilised { operator::phi(row.stiffness()) } else { 1.0 };
     let driving = before + (p_from - p_to) + fold_head;
-    math::compensated_add(flow, flow_carry, h * phi * (driving - (folded * square + linear * w)));
+    let mut lost = folded * square;
+    if linear > 0.0 {
+        lost += linear * w;
+    }
+    math::compensated_add(flow, flow_carry, h * phi * (driving - lost));
 
     // Each transfer is rounded once; taken − given is exact because the two are within a factor of two.
     let passed = h * *flow;
