@@ -53,13 +53,15 @@ impl Schedule {
         while points.get(*cursor as usize).is_some_and(|next| at.has_come(next.time_us)) {
             *cursor += 1;
         }
-        // Before the first point, behind the last and between held points both ends are the same one, so that the
-        // cost is the same everywhere.
         let coming = points.get(*cursor as usize);
         let passed = (*cursor as usize).checked_sub(1).and_then(|index| points.get(index));
         let Some(last) = passed.or(coming) else { return 0.0 };
-        let next = if self.interpolation == Interpolation::Linear { coming.unwrap_or(last) } else { last };
-        between(last, next, at)
+        match self.interpolation {
+            Interpolation::Hold => last.value,
+            // Before the first point and behind the last both ends are the same one, so that the cost is the same
+            // everywhere.
+            Interpolation::Linear => between(last, coming.unwrap_or(last), at),
+        }
     }
 }
 

@@ -357,22 +357,28 @@ fn move_nodes<E, const UNROLL: bool>(
     work: &mut Work<'_>,
 ) -> bool {
     let (passed, delta, mut beyond) = (&*work.passed, &*work.delta, false);
-    let states = state.common.nodes.iter_mut().zip(state.junctions.iter_mut());
-    let figures = work.pressure.iter_mut().zip(work.per_mass.iter());
-    let nodes = (0u32..).zip(network.nodes).zip(matrix::terms(&network.plan));
-    let rows = nodes.zip(states.zip(figures));
-    every!(UNROLL, rows, (((index, node), terms), (([mass, carry, ..], junction), (pressure, per_mass))) => {
-        every!(few UNROLL, terms.iter(), &[end, ..] => {
-            math::compensated_add(mass, carry, matrix::inward(at(passed, end >> 1), end));
-        });
-        *pressure = if node.kind == NodeKind::Junction {
-            let [gauge, carry] = junction;
-            math::compensated_add(gauge, carry, at(delta, index));
-            *gauge
-        } else {
-            node.start_gauge_pa + per_mass * *mass
-        };
-        beyond |= Fault::outside(*pressure, network.reference_pa);
+    // By index, which a compiler that knows the description resolves.
+    every!(UNROLL, 0..network.nodes.len(), index => {
+        if let (Some(node), Some([mass, carry, ..]), Some(junction), Some(pressure)) = (
+            network.nodes.get(index),
+            state.common.nodes.get_mut(index),
+            state.junctions.get_mut(index),
+            work.pressure.get_mut(index),
+        ) {
+            let (mut sum, mut lost) = (*mass, *carry);
+            every!(few UNROLL, network.plan.terms_of(index as u32).iter(), &[end, ..] => {
+                math::compensated_add(&mut sum, &mut lost, matrix::inward(at(passed, end >> 1), end));
+            });
+            (*mass, *carry) = (sum, lost);
+            *pressure = if node.kind == NodeKind::Junction {
+                let [gauge, carry] = junction;
+                math::compensated_add(gauge, carry, at(delta, index as u32));
+                *gauge
+            } else {
+                node.start_gauge_pa + at(work.per_mass, index as u32) * sum
+            };
+            beyond |= Fault::outside(*pressure, network.reference_pa);
+        }
     });
     beyond
 }

@@ -29,11 +29,13 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
     work: &mut Work<'_>,
 ) {
     if UNROLL {
-        for (index, segment) in network.segments.iter().enumerate() {
-            if segment.element.is_active() {
+        every!(many UNROLL, 0..network.segments.len(), index => {
+            if let Some(segment) = network.segments.get(index)
+                && segment.element.is_active()
+            {
                 set::<E, UNROLL, MOVED>(network, index, segment, inputs, flow, work);
             }
-        }
+        });
     } else {
         for active in network.active {
             let index = active.segment as usize;
@@ -43,11 +45,13 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
         }
     }
     join::<E, UNROLL, MOVED>(network, tau, inputs, flow, work);
-    for active in network.active {
-        if let Some(line) = network.lines.get(active.line as usize) {
+    every!(UNROLL, 0..network.active.len(), place => {
+        if let Some(active) = network.active.get(place)
+            && let Some(line) = network.lines.get(active.line as usize)
+        {
             set_laminar(line, work);
         }
-    }
+    });
 }
 
 #[inline(always)]
@@ -106,40 +110,65 @@ pub(crate) fn join<E: Element, const UNROLL: bool, const MOVED: bool>(
     every!(many UNROLL, 0..network.segments.len(), last => {
         if !continues(&network.plan, last) {
             if first < last {
-                sum(network, tau, inputs, present::<MOVED>(last, flow, work), first..=last, work);
+                let (reach, w) = (first..last + 1, present::<MOVED>(last, flow, work));
+                if UNROLL {
+                    sum::<E, true>(network, tau, inputs, w, reach, work);
+                } else {
+                    sum_apart(network, tau, inputs, w, reach, work);
+                }
             }
             first = last + 1;
         }
     });
 }
 
-/// Sums one reach that flows at `w` [kg/s] behind it.
+/// A function of its own, which few networks call.
 #[inline(never)]
-fn sum<E: Element>(
+fn sum_apart<E: Element>(
     network: &Network<'_, E>,
     tau: f32,
     inputs: &[f32],
     w: f32,
-    reach: core::ops::RangeInclusive<usize>,
+    reach: core::ops::Range<usize>,
     work: &mut Work<'_>,
 ) {
-    let last = *reach.end();
+    sum::<E, false>(network, tau, inputs, w, reach, work);
+}
+
+/// Sums one reach that flows at `w` [kg/s] behind it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn sum<E: Element, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    tau: f32,
+    inputs: &[f32],
+    w: f32,
+    reach: core::ops::Range<usize>,
+    work: &mut Work<'_>,
+) {
+    let last = reach.end - 1;
     let (mut ratio, mut inertia, mut sums) = (1.0, 0.0, [0.0f32; 3]);
-    for index in reach.rev() {
-        let (Some(segment), Some(own)) = (network.segments.get(index), work.law.get_mut(index)) else {
-            continue;
-        };
-        if index < last && w > 0.0 {
-            ratio *= 1.0 + segment.element.removal();
+    every!(few UNROLL, reach.rev(), index => {
+        if let (Some(segment), Some(own)) = (network.segments.get(index), work.law.get_mut(index)) {
+            if index < last && w > 0.0 {
+                ratio *= 1.0 + segment.element.removal();
+            }
+            if segment.element.is_active() {
+                let law = of(segment, inputs, ratio * w);
+                *own = [law.resistance, law.linear, law.head];
+            }
+            let passive = UNROLL && !segment.element.is_active();
+            // What does not change the compiler knows as well.
+            let [resistance, linear, head] = if passive {
+                let law = of(segment, &[], 0.0);
+                [law.resistance, law.linear, law.head]
+            } else {
+                *own
+            };
+            inertia += ratio * (segment.inertance_per_m / tau);
+            sums = [sums[0] + ratio * ratio * resistance, sums[1] + ratio * linear, sums[2] + head];
         }
-        if segment.element.is_active() {
-            let law = of(segment, inputs, ratio * w);
-            *own = [law.resistance, law.linear, law.head];
-        }
-        let [resistance, linear, head] = *own;
-        inertia += ratio * (segment.inertance_per_m / tau);
-        sums = [sums[0] + ratio * ratio * resistance, sums[1] + ratio * linear, sums[2] + head];
-    }
+    });
     write(last, sums, work);
     if let Some(own) = work.inertia.get_mut(last) {
         *own = inertia;

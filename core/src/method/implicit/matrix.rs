@@ -66,14 +66,6 @@ fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     loops::<false>(plan, work);
 }
 
-/// The terms of all nodes, one after the other.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn terms<'p>(plan: &'p Plan<'_>) -> impl Iterator<Item = &'p [[u32; 3]]> + use<'p> {
-    let bounds = plan.end_start.iter().zip(plan.end_start.get(1..).unwrap_or(&[]));
-    bounds.map(|(&first, &past)| plan.terms.get(first as usize..past as usize).unwrap_or(&[]))
-}
-
 /// Sums of a row before it is reduced: e, r and the diagonal, which begins with what is passed on.
 #[derive(Clone, Copy)]
 struct Row {
@@ -83,12 +75,22 @@ struct Row {
     diagonal: f32,
 }
 
-/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches.
+/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches, and to the `dense`
+/// row what they exchange with all others.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
-fn gather<const UNROLL: bool>(terms: &[[u32; 3]], mut row: Row, ports: &[Port], swept: &[[f32; 2]]) -> Row {
-    every!(few UNROLL, terms.iter(), &[end, by, _] => {
+fn gather<const UNROLL: bool, const LOOPS: bool>(
+    terms: &[[u32; 3]],
+    mut row: Row,
+    ports: &[Port],
+    swept: &[[f32; 2]],
+    dense: &mut [f32],
+) -> Row {
+    every!(few UNROLL, terms.iter(), &[end, by, other] => {
         let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+        if LOOPS && let Some(slot) = dense.get_mut(other as usize) {
+            *slot += through;
+        }
         let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
         let theirs = through * share;
         row.held += theirs;
@@ -108,7 +110,7 @@ fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
         let held = at(work.excess, node);
         let start = Row { held, known: at(work.known, node), diagonal: held + onward };
-        let row = gather::<UNROLL>(plan.terms_of(node), start, ports, swept);
+        let row = gather::<UNROLL, false>(plan.terms_of(node), start, ports, swept, &mut []);
         let reciprocal = 1.0 / row.diagonal;
         *share = onward * reciprocal;
         if let Some(swept) = swept.get_mut(node as usize) {
@@ -145,16 +147,10 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
             *slot = 0.0;
         }
     });
-    every!(few UNROLL, plan.terms_of(node).iter(), &[end, _, other] => {
-        let [through, _] = work.ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-        if let Some(slot) = dense.get_mut(other as usize) {
-            *slot += through;
-        }
-    });
     let held = at(work.excess, node);
     let start = Row { held, known: at(work.known, node), diagonal: held };
-    let Row { mut held, mut known, .. } =
-        gather::<UNROLL>(plan.terms_of(node), start, work.ports, work.swept);
+    let terms = plan.terms_of(node);
+    let Row { mut held, mut known, .. } = gather::<UNROLL, true>(terms, start, work.ports, work.swept, dense);
     every!(few UNROLL, columns(plan, lower).iter(), &by => {
         let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
         // What branches pass on was gathered.

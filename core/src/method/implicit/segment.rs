@@ -71,14 +71,14 @@ impl Momentum {
 struct Known {
     /// The law has no linear part.
     quadratic: bool,
-    /// No line has a laminar range.
+    /// Its line has no laminar range.
     turbulent: bool,
-    /// The slope needs no guard.
-    free: bool,
+    /// Whether the slope needs the guard.
+    guarded: Option<bool>,
 }
 
 /// Nothing is known.
-const UNKNOWN: Known = Known { quadratic: false, turbulent: false, free: false };
+const UNKNOWN: Known = Known { quadratic: false, turbulent: false, guarded: None };
 
 /// Whether the slope of a reach needs its guard: its law changes, and may become as stiff as it likes within one
 /// step, or the expected pressure would drive its flow against friction rather than against inertance.
@@ -91,18 +91,28 @@ pub(crate) fn needs_guard(active: bool, inertia: f32, quadratic: f32) -> bool {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn known<E: Element, const UNROLL: bool>(network: &Network<'_, E>, tau: f32, index: usize) -> Known {
-    if !UNROLL || layout::is_joined(&network.plan, index) || responsive::has_segment(network, index) {
+    if !UNROLL || responsive::has_segment(network, index) {
         return UNKNOWN;
     }
-    let turbulent = network.lines.iter().all(|line| line.laminar_below_pa <= 0.0);
     let Some(segment) = network.segments.get(index) else {
         return UNKNOWN;
     };
+    let turbulent =
+        network.lines.iter().all(|line| line.laminar_below_pa <= 0.0 || !super::range(line).contains(&index));
+    let mut quadratic = !segment.element.is_active() || !segment.element.may_be_linear();
+    if layout::is_joined(&network.plan, index) {
+        let mut before = index;
+        while before > 0 && layout::continues(&network.plan, before - 1) {
+            before -= 1;
+            let own = network.segments.get(before);
+            quadratic &= own.is_some_and(|own| !own.element.is_active() || !own.element.may_be_linear());
+        }
+        return Known { quadratic, turbulent, guarded: Some(true) };
+    }
     let active = segment.element.is_active();
     let resistance = if active { 0.0 } else { law::of(segment, &[], 0.0).resistance };
-    let free = !needs_guard(active, segment.inertance_per_m / tau, resistance);
-    let quadratic = !active || !segment.element.may_be_linear();
-    Known { quadratic, turbulent, free }
+    let guarded = needs_guard(active, segment.inertance_per_m / tau, resistance);
+    Known { quadratic, turbulent, guarded: Some(guarded) }
 }
 
 impl Known {
@@ -114,7 +124,7 @@ impl Known {
             quadratic,
             linear,
             laminar: if self.turbulent { 0.0 } else { laminar },
-            guarded: !self.free && guarded > 0.0,
+            guarded: self.guarded.unwrap_or(guarded > 0.0),
             known: self,
         }
     }
