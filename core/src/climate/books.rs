@@ -3,7 +3,7 @@
 //! A transfer is one rounded number for each part and for the energy. Sums over a step are exact (two-sum), sums over
 //! a run compensated. Only what a transfer can move is added: heat moves energy, coolant one part and energy.
 
-use super::medium::{CARBON_DIOXIDE, NITROGEN, OXYGEN, TRACE, VAPOUR};
+use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, TRACE, VAPOUR};
 use super::volume::{ENERGY, Stored};
 use crate::math;
 
@@ -12,6 +12,9 @@ pub(super) const LEDGER: usize = 4;
 
 /// What flows with air.
 const FLOWING: [usize; 6] = [NITROGEN, OXYGEN, CARBON_DIOXIDE, VAPOUR, TRACE, ENERGY];
+
+/// All that is stored.
+pub(super) const ALL: [usize; 7] = [NITROGEN, OXYGEN, CARBON_DIOXIDE, VAPOUR, TRACE, LIQUID, ENERGY];
 
 /// What arrives at the volumes within one step; a sum and what it lost.
 pub(super) struct Books<'w> {
@@ -24,10 +27,23 @@ impl Books<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub(super) fn add_flow(&mut self, node: usize, row: &Stored) {
+        self.add_places(node, FLOWING, row);
+    }
+
+    /// Adds all that is stored.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(super) fn add_row(&mut self, node: usize, row: &Stored) {
+        self.add_places(node, ALL, row);
+    }
+
+    /// Adds the `places` of a row whose other places are 0, which an exact sum does not see.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
+    fn add_places<const N: usize>(&mut self, node: usize, places: [usize; N], row: &Stored) {
         if !math::VECTORS {
-            return self.add(node, FLOWING, FLOWING.map(|place| row[place]));
+            return self.add(node, places, places.map(|place| row[place]));
         }
-        // The other places are 0, which an exact sum does not see.
         if let (Some(net), Some(lost)) = (self.net.get_mut(node), self.lost.get_mut(node)) {
             math::exact_add_row(net, lost, row);
         }
@@ -57,6 +73,23 @@ impl Outside<'_> {
             for (place, value) in places.into_iter().zip(values) {
                 math::compensated_add(&mut supplied[place], &mut s[place], value);
                 math::compensated_add(&mut turned[place], &mut t[place], value.abs());
+            }
+        }
+    }
+
+    /// Books a row and its sizes.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(super) fn supply_row(&mut self, row: &Stored, sizes: &Stored) {
+        if let [supplied, s, turned, t] = &mut *self.0 {
+            if math::VECTORS {
+                math::compensated_add_row(supplied, s, row);
+                math::compensated_add_row(turned, t, sizes);
+                return;
+            }
+            for place in ALL {
+                math::compensated_add(&mut supplied[place], &mut s[place], row[place]);
+                math::compensated_add(&mut turned[place], &mut t[place], sizes[place]);
             }
         }
     }

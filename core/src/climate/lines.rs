@@ -58,17 +58,21 @@ pub(super) fn move_lines<E, const UNROLL: bool>(
     work: &mut Work<'_>,
 ) {
     let mut stations = network.climate.stations;
-    every!(UNROLL, network.lines.iter().enumerate(), (index, line) => {
-        let count = stations.iter().take_while(|station| station.line as usize == index).count();
-        let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
-        stations = rest;
-        move_line(network, at, (index, line), here, state, work);
+    every!(UNROLL, 0..network.lines.len(), index => {
+        if let Some(line) = network.lines.get(index) {
+            let own = |station: &&Station| station.line as usize == index;
+            // A compiler that knows the description finds a line's own among all.
+            let count = if UNROLL { 0 } else { stations.iter().take_while(own).count() };
+            let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
+            stations = rest;
+            move_line::<E, UNROLL>(network, at, (index, line), here, state, work);
+        }
     });
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn move_line<E>(
+fn move_line<E, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
     (index, line): (usize, &Line),
@@ -88,21 +92,21 @@ fn move_line<E>(
     let (from, to) = (line.from as usize, line.to as usize);
     // Said twice, both ends are known where the description is.
     if moved < 0.0 {
-        carry_over::<E, true>(network, at, (to, from), -moved, here, state, work);
+        carry_over::<E, UNROLL, true>(network, at, (to, from), -moved, (index, here), state, work);
     } else {
-        carry_over::<E, false>(network, at, (from, to), moved, here, state, work);
+        carry_over::<E, UNROLL, false>(network, at, (from, to), moved, (index, here), state, work);
     }
 }
 
 /// Carries `mass` [kg] from the volume `up` to the volume `down`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn carry_over<E, const REVERSED: bool>(
+fn carry_over<E, const UNROLL: bool, const REVERSED: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
     (up, down): (usize, usize),
     mass: f32,
-    here: &[Station],
+    here: (usize, &[Station]),
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
@@ -120,21 +124,46 @@ fn carry_over<E, const REVERSED: bool>(
     if volume.contents == Contents::Air {
         let mut stream = Stream::of(mass, fractions, theta, &climate.air);
         work.books.add_flow(up, &row(&stream, -1.0));
-        let place = (pressure, REVERSED);
-        meet(climate, at, here, &mut stream, place, state, work);
+        meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
         work.books.add_flow(down, &row(&stream, 1.0));
     } else {
         let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
         work.books.add(up, [NITROGEN, ENERGY], [-mass, -stream.energy_j]);
-        let place = (pressure, REVERSED);
-        meet(climate, at, here, &mut stream, place, state, work);
+        meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
         work.books.add(down, [NITROGEN, ENERGY], [mass, stream.energy_j]);
     }
 }
 
-/// What a stream meets on its way.
+/// What a stream meets on its way along a line: what is `here`, or for a description that the compiler knows, what of
+/// all stations is on this line.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn meet<const UNROLL: bool, const REVERSED: bool>(
+    climate: &Climate<'_>,
+    at: Stepped<'_>,
+    (line, here): (usize, &[Station]),
+    stream: &mut Stream,
+    pressure: f32,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    if !UNROLL {
+        return meet_apart(climate, at, here, stream, (pressure, REVERSED), state, work);
+    }
+    let stations = climate.stations;
+    every!(UNROLL, 0..stations.len(), place => {
+        let place = if REVERSED { stations.len() - 1 - place } else { place };
+        if let Some(station) = stations.get(place)
+            && station.line as usize == line
+        {
+            pass(climate, at, &station.passage, stream, (pressure, REVERSED), state, work);
+        }
+    });
+}
+
+/// A function of its own, which most lines do not call.
 #[inline]
-fn meet(
+fn meet_apart(
     climate: &Climate<'_>,
     at: Stepped<'_>,
     here: &[Station],
@@ -152,7 +181,8 @@ fn meet(
 }
 
 /// What a stream at `pressure` [Pa] meets at one station.
-#[inline]
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn pass(
     climate: &Climate<'_>,
     at: Stepped<'_>,

@@ -1,10 +1,11 @@
 //! What comes from outside and what changes inside the volumes: crew, sources, removal, free water, walls.
 
+use super::books::ALL;
 use super::buffers::{State, Work};
 use super::crew;
-use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, TRACE, VAPOUR, dot};
+use super::medium::{CARBON_DIOXIDE, LIQUID, OXYGEN, PARTS, VAPOUR, dot};
 use super::step::{Stepped, input};
-use super::volume::{self, Contents, ENERGY};
+use super::volume::{self, Contents, ENERGY, STORED, Stored};
 use super::{Climate, Remover};
 use crate::unroll::every;
 use crate::{Network, NodeKind, math};
@@ -19,19 +20,24 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
     work: &mut Work<'_>,
 ) {
     let climate = &network.climate;
+    let mut given = Given::to(0);
     every!(UNROLL, climate.crews.iter(), crew => {
+        given = given.turn_to(crew.node as usize, state, work);
         let [count, activity] = [input(at.inputs, crew.first_input), input(at.inputs, crew.first_input + 1)];
-        breathe(climate, crew.node as usize, count * at.step_s, activity, state, work);
+        breathe(climate, count * at.step_s, activity, work, &mut given);
     });
     every!(UNROLL, climate.sources.iter(), source => {
+        given = given.turn_to(source.node as usize, state, work);
         let inputs = at.inputs.get(source.first_input as usize..);
         if let Some([heat, rates @ ..]) = inputs.and_then(<[f32]>::first_chunk::<{ PARTS + 1 }>) {
-            give(climate, source.node as usize, at.step_s, *heat, rates, state, work);
+            give(climate, at.step_s, *heat, rates, work, &mut given);
         }
     });
     every!(UNROLL, climate.removers.iter(), remover => {
-        remove(climate, remover, at, state, work);
+        given = given.turn_to(remover.node as usize, state, work);
+        remove(climate, remover, at, work, &mut given);
     });
+    given.book(state, work);
     every!(UNROLL, climate.volumes.iter().enumerate(), (node, volume) => {
         let held = network.nodes.get(node).is_some_and(|node| node.kind == NodeKind::Boundary);
         let wets = volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 && !held;
@@ -42,16 +48,55 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
     });
 }
 
+/// What comes into one volume from outside in a step. Several sources of one volume, and its crew, are one transfer.
+#[derive(Clone, Copy)]
+struct Given {
+    node: usize,
+    /// Masses of all parts [kg] and energy [J].
+    sum: Stored,
+    /// Their sizes.
+    turned: Stored,
+}
+
+impl Given {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn to(node: usize) -> Self {
+        Self { node, sum: [0.0; STORED], turned: [0.0; STORED] }
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn add<const N: usize>(&mut self, places: [usize; N], values: [f32; N]) {
+        for (place, value) in places.into_iter().zip(values) {
+            self.sum[place] += value;
+            self.turned[place] += value.abs();
+        }
+    }
+
+    /// Goes on with the volume `node`; what came into another is booked.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn turn_to(self, node: usize, state: &mut State<'_>, work: &mut Work<'_>) -> Self {
+        if node == self.node {
+            return self;
+        }
+        self.book(state, work);
+        Self::to(node)
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn book(&self, state: &mut State<'_>, work: &mut Work<'_>) {
+        work.books.add_row(self.node, &self.sum);
+        state.outside.supply_row(&self.sum, &self.turned);
+    }
+}
+
 /// What a remover takes.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn remove(
-    climate: &Climate<'_>,
-    remover: &Remover,
-    at: Stepped<'_>,
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
-) {
+fn remove(climate: &Climate<'_>, remover: &Remover, at: Stepped<'_>, work: &Work<'_>, given: &mut Given) {
     let (node, part) = (remover.node as usize, remover.part as usize);
     let flow = input(at.inputs, remover.first_input) * input(at.inputs, remover.first_input + 1);
     let (Some([theta, pressure, ..]), Some(fractions)) = (work.figures.get(node), work.fractions.get(node))
@@ -63,33 +108,24 @@ fn remove(
     // ρ = p_i/(R_i·T) of this part alone
     let partial = volume::partial_pressure_pa(part, fractions, *pressure);
     let rate = -flow * partial / (gas * (climate.reference_k + *theta));
-    let (mass, energy) = (rate * at.step_s, rate * heat * theta * at.step_s);
-    work.books.add(node, [part, ENERGY], [mass, energy]);
-    state.outside.supply([part, ENERGY], [mass, energy]);
+    given.add([part, ENERGY], [rate * at.step_s, rate * heat * theta * at.step_s]);
 }
 
 /// What people give to a volume and take from it within so many person-seconds.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn breathe(
-    climate: &Climate<'_>,
-    node: usize,
-    person_s: f32,
-    activity: f32,
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
-) {
-    const PLACES: [usize; 5] = [OXYGEN, CARBON_DIOXIDE, VAPOUR, LIQUID, ENERGY];
-    let theta = work.figures.get(node).map_or(0.0, |[theta, ..]| *theta);
+fn breathe(climate: &Climate<'_>, person_s: f32, activity: f32, work: &Work<'_>, given: &mut Given) {
+    let theta = work.figures.get(given.node).map_or(0.0, |[theta, ..]| *theta);
     let (heat_w, rates) = crew::person(activity);
     let heats = &climate.air.flowing_j_kg_k;
     let [oxygen, carbon_dioxide, vapour, liquid] =
         [OXYGEN, CARBON_DIOXIDE, VAPOUR, LIQUID].map(|part| (rates[part], rates[part] * heats[part]));
     let sensible = ((oxygen.1 + carbon_dioxide.1) + (vapour.1 + liquid.1)) * theta;
     let energy = heat_w + (sensible - liquid.0 * climate.air.latent_j_kg);
-    let given = [oxygen.0, carbon_dioxide.0, vapour.0, liquid.0, energy].map(|rate| rate * person_s);
-    work.books.add(node, PLACES, given);
-    state.outside.supply(PLACES, given);
+    given.add(
+        [OXYGEN, CARBON_DIOXIDE, VAPOUR, LIQUID, ENERGY],
+        [oxygen.0, carbon_dioxide.0, vapour.0, liquid.0, energy].map(|rate| rate * person_s),
+    );
 }
 
 /// Heat [W] and masses [kg/s] from outside.
@@ -97,20 +133,16 @@ fn breathe(
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 fn give(
     climate: &Climate<'_>,
-    node: usize,
     step_s: f32,
     heat_w: f32,
     rates: &[f32; PARTS],
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
+    work: &Work<'_>,
+    given: &mut Given,
 ) {
-    const PLACES: [usize; 7] = [NITROGEN, OXYGEN, CARBON_DIOXIDE, VAPOUR, TRACE, LIQUID, ENERGY];
-    let theta = work.figures.get(node).map_or(0.0, |[theta, ..]| *theta);
+    let theta = work.figures.get(given.node).map_or(0.0, |[theta, ..]| *theta);
     let carried = dot(rates, &climate.air.flowing_j_kg_k) * theta - rates[LIQUID] * climate.air.latent_j_kg;
     let [a, b, c, d, e, f] = *rates;
-    let given = [a, b, c, d, e, f, heat_w + carried].map(|rate| rate * step_s);
-    work.books.add(node, PLACES, given);
-    state.outside.supply(PLACES, given);
+    given.add(ALL, [a, b, c, d, e, f, heat_w + carried].map(|rate| rate * step_s));
 }
 
 /// Heat between volumes, walls and surroundings.
