@@ -186,6 +186,12 @@ pub trait Element {
         self.is_active()
     }
 
+    /// Smallest quadratic resistance that inputs within their ranges give at the line's reference density
+    /// [Pa·s²/kg²]; 0 where nothing is known of it.
+    fn least_resistance_pa_s2_kg2(&self) -> f32 {
+        0.0
+    }
+
     /// Whether the element looks at more than inputs and flow: at the pressures at its ends, at the direction of
     /// flow, or at a memory of its own. It is active then, and its line is a [`crate::Responsive`] one, whose laws
     /// are stated anew in every step.
@@ -328,6 +334,10 @@ impl Element for StdElement {
     #[inline(always)]
     fn responds(&self) -> bool {
         each!(self, element => element.responds())
+    }
+
+    fn least_resistance_pa_s2_kg2(&self) -> f32 {
+        each!(self, element => element.least_resistance_pa_s2_kg2())
     }
 
     fn needs_both_ends(&self) -> bool {

@@ -46,6 +46,10 @@ impl Element for Hatch {
         true
     }
 
+    fn least_resistance_pa_s2_kg2(&self) -> f32 {
+        self.open_resistance_pa_s2_kg2
+    }
+
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = math::larger(at.inputs.first().copied().unwrap_or(1.0), self.leakage_opening);
         Law::quadratic(self.open_resistance_pa_s2_kg2 / (opening * opening * at.density_ratio))

@@ -51,6 +51,10 @@ impl Element for Valve {
         false
     }
 
+    fn least_resistance_pa_s2_kg2(&self) -> f32 {
+        self.resistance_pa_s2_kg2(1.0)
+    }
+
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "like the resistance")]
     fn law(&self, at: &Operating<'_>) -> Law {

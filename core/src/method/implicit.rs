@@ -28,6 +28,7 @@ mod line;
 mod matrix;
 mod respond;
 mod segment;
+mod small;
 
 use self::layout::{State, Work, at, continues, is_joined};
 use self::respond::Place as At;
@@ -176,20 +177,33 @@ pub(crate) fn start<E: Element>(
 }
 
 /// Whether one solve would hand some volume's rounding back to it: in a step it stores C·p/τ of a flow that is known to
-/// a unit in the last place of b·p. An element that changes may open as wide as it likes.
+/// a unit in the last place of b·p. An element that changes may open as wide as its inputs let it.
 fn rounding_returns<E: Element>(network: &Network<'_, E>, work: &Work<'_>) -> bool {
     let nodes = network.nodes.len() as u32;
     let capacity = |point: u32| match point.checked_sub(nodes) {
         None => at(work.capacity, point),
         Some(joint) => work.joints.get(joint as usize).map_or(0.0, |joint| joint[0]),
     };
-    (0u32..).zip(network.segments).zip(network.plan.between).any(|((index, segment), points)| {
-        let changes = segment.element.is_active() || is_joined(&network.plan, index as usize);
-        let friction = at(work.linear, index) + at(work.quadratic, index) * at(work.laminar, index);
-        let least = at(work.inertia, index) + if changes { 0.0 } else { friction };
-        points.iter().map(|&point| capacity(point)).any(|capacity| {
-            let stores = capacity > 0.0;
-            stores && RETURNED * least * capacity < f32::EPSILON
+    network.lines.iter().any(|line| {
+        range(line).any(|place| {
+            let (index, segment) = (place as u32, network.segments.get(place));
+            let (Some(segment), Some(points)) = (segment, network.plan.between.get(place)) else {
+                return false;
+            };
+            let changes = segment.element.is_active() || is_joined(&network.plan, place);
+            let friction = if !changes {
+                at(work.linear, index) + at(work.quadratic, index) * at(work.laminar, index)
+            } else if line.segments == 1 {
+                // R·w at the laminar flow √(y/R).
+                math::sqrt(line.laminar_below_pa * segment.element.least_resistance_pa_s2_kg2())
+            } else {
+                0.0
+            };
+            let least = at(work.inertia, index) + friction;
+            points.iter().map(|&point| capacity(point)).any(|capacity| {
+                let stores = capacity > 0.0;
+                stores && RETURNED * least * capacity < f32::EPSILON
+            })
         })
     })
 }

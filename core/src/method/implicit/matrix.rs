@@ -14,6 +14,7 @@
 //! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
 
 use super::layout::{Port, Work, at};
+use super::small;
 use crate::unroll::every;
 use crate::{Network, Plan};
 
@@ -34,18 +35,20 @@ pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut 
     } else {
         branches_apart(plan, work);
     }
+    if UNROLL {
+        loops::<true>(plan, work);
+        back_of_loops::<true>(plan, work);
+        back_of_branches::<true>(plan, work);
+        return;
+    }
     if plan.leaves.len() < plan.order.len() {
-        if UNROLL {
-            loops::<true>(plan, work);
+        if small::fits(plan) {
+            small::solve(plan, work);
         } else {
             loops_apart(plan, work);
         }
     }
-    if UNROLL {
-        back::<true>(plan, work);
-    } else {
-        back_apart(plan, work);
-    }
+    back_of_branches_apart(plan, work);
 }
 
 /// A function of its own, whose loop then has the processor's registers for itself.
@@ -56,39 +59,40 @@ fn branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
 
 /// Like [`branches_apart`].
 #[inline(never)]
-fn back_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    back::<false>(plan, work);
+fn back_of_branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    back_of_branches::<false>(plan, work);
 }
 
 /// Like [`branches_apart`].
 #[inline(never)]
 fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     loops::<false>(plan, work);
+    back_of_loops::<false>(plan, work);
 }
 
 /// Sums of a row before it is reduced: e, r and the diagonal, which begins with what is passed on.
 #[derive(Clone, Copy)]
-struct Row {
-    held: f32,
-    known: f32,
+pub(super) struct Row {
+    pub(super) held: f32,
+    pub(super) known: f32,
     /// Summed beside what is held, so that the division need not wait for one more addition.
-    diagonal: f32,
+    pub(super) diagonal: f32,
 }
 
-/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches, and to the `dense`
-/// row what they exchange with all others.
+/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches, and to the dense
+/// row, whose first column is given, what they exchange with all others.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
-fn gather<const UNROLL: bool, const LOOPS: bool>(
+pub(super) fn gather<const UNROLL: bool, const LOOPS: bool>(
     terms: &[[u32; 3]],
     mut row: Row,
     ports: &[Port],
     swept: &[[f32; 2]],
-    dense: &mut [f32],
+    (dense, first): (&mut [f32], u32),
 ) -> Row {
     every!(few UNROLL, terms.iter(), &[end, by, other] => {
         let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-        if LOOPS && let Some(slot) = dense.get_mut(other as usize) {
+        if LOOPS && let Some(slot) = dense.get_mut(other.wrapping_sub(first) as usize) {
             *slot += through;
         }
         let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
@@ -110,7 +114,7 @@ fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
         let held = at(work.excess, node);
         let start = Row { held, known: at(work.known, node), diagonal: held + onward };
-        let row = gather::<UNROLL, false>(plan.terms_of(node), start, ports, swept, &mut []);
+        let row = gather::<UNROLL, false>(plan.terms_of(node), start, ports, swept, (&mut [], 0));
         let reciprocal = 1.0 / row.diagonal;
         *share = onward * reciprocal;
         if let Some(swept) = swept.get_mut(node as usize) {
@@ -150,7 +154,8 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
     let held = at(work.excess, node);
     let start = Row { held, known: at(work.known, node), diagonal: held };
     let terms = plan.terms_of(node);
-    let Row { mut held, mut known, .. } = gather::<UNROLL, true>(terms, start, work.ports, work.swept, dense);
+    let Row { mut held, mut known, .. } =
+        gather::<UNROLL, true>(terms, start, work.ports, work.swept, (dense, 0));
     every!(few UNROLL, columns(plan, lower).iter(), &by => {
         let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
         // What branches pass on was gathered.
@@ -183,10 +188,10 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
     }
 }
 
-/// Substitutes from the last row to the first.
+/// Substitutes from the last row to the first that no branch eliminated.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn back<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+fn back_of_loops<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     every!(UNROLL, (plan.leaves.len()..plan.order.len()).rev(), row => {
         let node = plan.order.get(row).copied().unwrap_or(Plan::NOWHERE);
         let (_, upper) = plan.sides(row);
@@ -200,6 +205,12 @@ fn back<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
             *change = sum;
         }
     });
+}
+
+/// Substitutes from the last branch to the first.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn back_of_branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     let rows = plan.order.iter().zip(plan.leaves).zip(work.onward.iter());
     every!(UNROLL, rows.rev(), ((&node, &[_, later]), share) => {
         let increment = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
