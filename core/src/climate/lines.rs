@@ -148,6 +148,9 @@ fn meet<const UNROLL: bool, const REVERSED: bool>(
     work: &mut Work<'_>,
 ) {
     if !UNROLL {
+        if here.is_empty() {
+            return;
+        }
         return meet_apart(climate, at, here, stream, (pressure, REVERSED), state, work);
     }
     let stations = climate.stations;

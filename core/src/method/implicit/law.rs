@@ -107,7 +107,7 @@ pub(crate) fn join<E: Element, const UNROLL: bool, const MOVED: bool>(
         return;
     }
     let mut first = 0;
-    every!(many UNROLL, 0..network.segments.len(), last => {
+    every!(many UNROLL, 0..network.plan.between.len(), last => {
         if !continues(&network.plan, last) {
             if first < last {
                 let (reach, w) = (first..last + 1, present::<MOVED>(last, flow, work));
@@ -153,13 +153,13 @@ fn sum<E: Element, const UNROLL: bool>(
             if index < last && w > 0.0 {
                 ratio *= 1.0 + segment.element.removal();
             }
-            if segment.element.is_active() {
+            let active = segment.element.is_active();
+            if active {
                 let law = of(segment, inputs, ratio * w);
                 *own = [law.resistance, law.linear, law.head];
             }
-            let passive = UNROLL && !segment.element.is_active();
             // What does not change the compiler knows as well.
-            let [resistance, linear, head] = if passive {
+            let [resistance, linear, head] = if UNROLL && !active {
                 let law = of(segment, &[], 0.0);
                 [law.resistance, law.linear, law.head]
             } else {
@@ -182,8 +182,10 @@ pub(crate) fn set_laminar(line: &Line, work: &mut Work<'_>) {
     if line.laminar_below_pa > 0.0 {
         let range = super::range(line);
         let laws = work.law.get(range.clone()).unwrap_or(&[]);
-        let resistance: f32 = laws.iter().map(|[resistance, ..]| *resistance).sum();
+        let resistance = laws.iter().fold(0.0, |sum, [resistance, ..]| sum + resistance);
         let laminar = math::sqrt(line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
-        work.laminar.get_mut(range).unwrap_or(&mut []).fill(laminar);
+        for slot in work.laminar.get_mut(range).unwrap_or(&mut []) {
+            *slot = laminar;
+        }
     }
 }

@@ -14,7 +14,7 @@ pub(super) const ROWS: usize = 8;
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "two comparisons")]
 pub(super) fn fits(plan: &Plan<'_>) -> bool {
-    math::VECTORS && plan.order.len() - plan.leaves.len() <= ROWS
+    math::VECTORS && plan.order.len().saturating_sub(plan.leaves.len()) <= ROWS
 }
 
 /// Eliminates these rows and substitutes from the last to the first.
@@ -32,7 +32,6 @@ pub(super) fn solve(plan: &Plan<'_>, work: &mut Work<'_>) {
         let gathered =
             gather::<false, true>(terms, start, work.ports, work.swept, (&mut dense, first as u32));
         let Row { mut held, mut known, .. } = gathered;
-        // Written out: a compiler then keeps the row in registers.
         for ((earlier, theirs), [share, increment]) in shares.iter().enumerate().zip(&swept) {
             if earlier >= place {
                 break;
