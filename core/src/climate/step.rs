@@ -44,7 +44,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     state.fill(0.0);
     work.fill(0.0);
     let climate = &network.climate;
-    let (state, mut work) = (State::of(climate, state), Work::of(network, work));
+    let (state, work) = (State::of(climate, state), Work::of(network, work));
     let rows = work.fractions.iter_mut().zip(work.figures.iter_mut()).zip(work.start.iter_mut());
     for (index, ((fractions, figures), start)) in rows.enumerate() {
         if let Some(constants) = constants(network, index) {
@@ -55,7 +55,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
         shown[2] = exchanger.start_k - climate.reference_k;
     }
     for (control, state) in climate.loops.iter().zip(state.loops) {
-        let measured = measure(climate, &mut work, control.measure);
+        let measured = measure(climate, &work, control.measure);
         let driven = input(inputs, control.drives);
         let sensor = control.sensor.start(measured);
         let actuator = control.actuator.start(driven);
@@ -78,9 +78,9 @@ pub(crate) fn control<E, const UNROLL: bool>(
     inputs: &mut [f32],
 ) {
     let climate = &network.climate;
-    let (state, mut work) = (State::of(climate, state), Work::of(network, work));
+    let (state, work) = (State::of(climate, state), Work::of(network, work));
     every!(UNROLL, climate.loops.iter().zip(state.loops), (control, state) => {
-        let measured = measure(climate, &mut work, control.measure);
+        let measured = measure(climate, &work, control.measure);
         act(control, network.inputs.len(), step_s, tick, measured, state, inputs);
     });
 }
@@ -126,24 +126,22 @@ fn act(
 /// What a sensor sees.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn measure(climate: &Climate<'_>, work: &mut Work<'_>, measure: Measure) -> f32 {
-    let of = |node: u32| {
-        let index = node as usize;
-        let (figures, fractions) = (work.figures.get(index), work.fractions.get(index));
-        figures.copied().zip(fractions.copied()).unwrap_or(([0.0; 6], [0.0; PARTS]))
-    };
+fn measure(climate: &Climate<'_>, work: &Work<'_>, measure: Measure) -> f32 {
+    let (figures, fractions) = (&*work.figures, &*work.fractions);
+    let of = |node: u32| figures.get(node as usize).unwrap_or(&[0.0; 6]);
     let partial = |node: u32, part: u32| {
-        let ([_, pressure, ..], fractions) = of(node);
-        volume::partial_pressure_pa(part as usize, &fractions, pressure)
+        let [_, pressure, ..] = of(node);
+        let fractions = fractions.get(node as usize).unwrap_or(&[0.0; PARTS]);
+        volume::partial_pressure_pa(part as usize, fractions, *pressure)
     };
-    let temperature = |node: u32| climate.reference_k + of(node).0[0];
+    let temperature = |node: u32| climate.reference_k + of(node)[0];
     match measure {
         Measure::Temperature(node) => temperature(node),
         Measure::DewPoint(node) => crate::moist::dew_point_k(partial(node, VAPOUR as u32)),
         Measure::RelativeHumidity(node) => {
             crate::moist::relative_humidity(partial(node, VAPOUR as u32), temperature(node))
         }
-        Measure::Pressure(node) => of(node).0[1],
+        Measure::Pressure(node) => of(node)[1],
         Measure::Partial(node, part) => partial(node, part),
         Measure::AirOutlet(exchanger) => {
             climate.reference_k + work.shown.get(exchanger as usize).map_or(0.0, |shown| shown[2])

@@ -22,19 +22,19 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
     let climate = &network.climate;
     let mut given = Given::to(0);
     every!(UNROLL, climate.crews.iter(), crew => {
-        given = given.turn_to(crew.node as usize, state, work);
+        given.turn_to(crew.node as usize, state, work);
         let [count, activity] = [input(at.inputs, crew.first_input), input(at.inputs, crew.first_input + 1)];
         breathe(climate, count * at.step_s, activity, work, &mut given);
     });
     every!(UNROLL, climate.sources.iter(), source => {
-        given = given.turn_to(source.node as usize, state, work);
+        given.turn_to(source.node as usize, state, work);
         let inputs = at.inputs.get(source.first_input as usize..);
         if let Some([heat, rates @ ..]) = inputs.and_then(<[f32]>::first_chunk::<{ PARTS + 1 }>) {
             give(climate, at.step_s, *heat, rates, work, &mut given);
         }
     });
     every!(UNROLL, climate.removers.iter(), remover => {
-        given = given.turn_to(remover.node as usize, state, work);
+        given.turn_to(remover.node as usize, state, work);
         remove(climate, remover, at, work, &mut given);
     });
     given.book(state, work);
@@ -49,7 +49,6 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
 }
 
 /// What comes into one volume from outside in a step. Several sources of one volume, and its crew, are one transfer.
-#[derive(Clone, Copy)]
 struct Given {
     node: usize,
     /// Masses of all parts [kg] and energy [J].
@@ -77,12 +76,11 @@ impl Given {
     /// Goes on with the volume `node`; what came into another is booked.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    fn turn_to(self, node: usize, state: &mut State<'_>, work: &mut Work<'_>) -> Self {
-        if node == self.node {
-            return self;
+    fn turn_to(&mut self, node: usize, state: &mut State<'_>, work: &mut Work<'_>) {
+        if node != self.node {
+            self.book(state, work);
+            *self = Self::to(node);
         }
-        self.book(state, work);
-        Self::to(node)
     }
 
     #[inline(always)]
