@@ -65,7 +65,7 @@ fn back_of_branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
 
 /// Like [`branches_apart`].
 #[inline(never)]
-fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+pub(super) fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
     loops::<false>(plan, work);
     back_of_loops::<false>(plan, work);
 }
