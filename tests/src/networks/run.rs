@@ -171,7 +171,7 @@ fn compare(
     let mut settled = Settled { steps, ..Settled::default() };
     for (index, line) in network.lines.iter().enumerate() {
         let (found, exact) = (f64::from(simulator.line_flow_kg_s(index)), target.flow_kg_s[index]);
-        let drive = slowest::Losses::of_stretch(network, line, exact, storage).apart_pa(found);
+        let drive = slowest::losses_of_flow(network, line, exact, storage).apart_pa(found);
         let error = ((found - exact).abs() / largest).min(drive / grid);
         if error > settled.error || error.is_nan() {
             settled = Settled { error, line: index, ..settled };

@@ -1,13 +1,25 @@
 //! How long a network takes to settle: its slowest time constant from the linearised equations.
 //!
-//! Nodes with capacities C joined by conductances S decay as `C·dp/dt = −K·p`; the slowest time constant is the
-//! largest eigenvalue of `K⁻¹·C`, a matrix without a negative entry, found by iteration. Conductances are taken
-//! twice, at the steady state and as the chord to the farthest that a line can be away from it, and the slower
-//! result counts. `adaptive` slows a node of small volume to C/φ.
+//! What stores stands at *points*, the nodes and the volumes inside lines; between two of them a *reach* has one flow.
+//! Capacities C joined by conductances S decay as `C·dp/dt = −K·p`; the slowest time constant is the largest eigenvalue
+//! of `K⁻¹·C`, a matrix without a negative entry, found by iteration. Conductances are taken twice, at the steady
+//! state and as the chord to the farthest that a reach can be away from it, and the slower result counts.
+//!
+//! Inertances I add `I·dw/dt = Δp − w/S`. Where a rate λ is not real the energies in C and in I are equal, so that its
+//! real part is −½·Σ(w²/S)/Σ(I·w²): swings decay no slower than with 2·I·S. A real rate −μ is at least the
+//! smallest 1/(I·S), or else `w = Δp/(1/S − μ·I)` has conductances of no less than S: no slower than without I.
+//!
+//! `adaptive` slows a node of small volume to C/φ, and knows nothing inside a line.
 
-use eclss_core::{Element, Line, Network, NodeKind, Segment};
+mod loss;
+
+use std::ops::Range;
+
+use eclss_core::{Line, Network, NodeKind, Segment};
 use eclss_network_file::steady::Steady;
 use nalgebra::{DMatrix, DVector};
+
+pub(super) use self::loss::Losses;
 
 /// What stores in a network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,214 +33,147 @@ pub enum Storage {
 /// Safety factor of the operator.
 const THETA: f64 = 0.8;
 
-/// Pressures that count as rest when a line's direction is asked for [Pa]: ten times what a settled one may be off.
-const REST_PA: f64 = 1e-3;
-
-/// Loss of a line near rest and at flow, in one direction: `R·w·max(|w|, w_lin) + L·w`.
-#[derive(Clone, Copy)]
-struct Loss {
-    quadratic: f64,
-    linear: f64,
-    laminar: f64,
-    head: f64,
+/// Segments of a line that have one flow, one range for every reach.
+fn reaches(network: &Network<'_>, line: &Line, storage: Storage) -> Vec<Range<usize>> {
+    let segments = network.segments_of(line);
+    // What stands behind the last segment is the node.
+    let stores = |&last: &usize| segments[last].outlet_volume_m3 > 0.0 && last + 1 < segments.len();
+    let mut first = 0;
+    let joints = (0..segments.len()).filter(|last| storage == Storage::Whole && stores(last));
+    let mut ranges: Vec<_> = joints.map(|last| std::mem::replace(&mut first, last + 1)..last + 1).collect();
+    ranges.push(first..segments.len());
+    ranges
 }
 
-impl Loss {
-    fn of(network: &Network<'_>, line: &Line, w: f64, forward: bool) -> Self {
-        let mut loss = Self { quadratic: 0.0, linear: 0.0, laminar: 0.0, head: 0.0 };
-        for segment in network.segments_of(line) {
-            let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-            let at = eclss_core::Operating::plain(inputs, w as f32);
-            let law = if forward { segment.element.law(&at) } else { segment.element.reverse_law(&at) };
-            loss.quadratic += f64::from(law.resistance);
-            loss.linear += f64::from(law.linear);
-            loss.head += f64::from(law.head);
-        }
-        // A line of closed check valves alone has nothing but linear leaks.
-        loss.laminar =
-            (f64::from(line.laminar_below_pa) / loss.quadratic.max(f64::MIN_POSITIVE)).sqrt().min(1e6);
-        loss
-    }
-
-    /// Flow at the driving pressure `y`, head included [kg/s].
-    fn flow(&self, y: f64) -> f64 {
-        let laminar = y / (self.quadratic * self.laminar + self.linear);
-        if laminar.abs() < self.laminar {
-            return laminar;
-        }
-        2.0 * y / (self.linear + (self.linear * self.linear + 4.0 * self.quadratic * y.abs()).sqrt())
-    }
-
-    fn at(&self, w: f64) -> f64 {
-        self.quadratic * w * w.abs().max(self.laminar) + self.linear * w
-    }
-
-    fn slope(&self, w: f64) -> f64 {
-        self.quadratic * if w.abs() > self.laminar { 2.0 * w.abs() } else { self.laminar } + self.linear
-    }
+/// Losses of the reach that has the flow of a line, which is `w` [kg/s].
+pub(super) fn losses_of_flow(network: &Network<'_>, line: &Line, w: f64, storage: Storage) -> Losses {
+    let own = |range: &Range<usize>| range.contains(&(line.flow_segment as usize));
+    let range = reaches(network, line, storage).into_iter().find(own).unwrap_or(0..0);
+    Losses::of(network, line, range, w)
 }
 
-/// Losses of a line around a flow in both directions, which differ where it has check valves.
-pub(super) struct Losses {
-    forward: Loss,
-    reverse: Loss,
-    /// The flow [kg/s].
-    w: f64,
+/// What connects two points.
+struct Reach {
+    ends: [usize; 2],
+    losses: Losses,
+    inertance_per_m: f64,
 }
 
-impl Losses {
-    pub(super) fn of(network: &Network<'_>, line: &Line, w: f64) -> Self {
-        Self { forward: Loss::of(network, line, w, true), reverse: Loss::of(network, line, w, false), w }
-    }
+/// Points and reaches of a network at its steady state.
+struct Parts {
+    reaches: Vec<Reach>,
+    /// Capacity of every point [kg/Pa]; 0 where nothing is stored or the pressure is held.
+    capacities: Vec<f64>,
+    /// Whether the pressure is held.
+    held: Vec<bool>,
+    /// Farthest that any pressure starts from its steady state [Pa].
+    away_pa: f64,
+}
 
-    /// Those of the part of a line that has the flow of its flow segment: what lies between two volumes, below the
-    /// whole line's laminar flow.
-    pub(super) fn of_stretch(network: &Network<'_>, line: &Line, w: f64, storage: Storage) -> Self {
-        let whole = Self::of(network, line, w);
-        if storage != Storage::Whole {
-            return whole;
+impl Parts {
+    fn of(network: &Network<'_>, target: &Steady, storage: Storage) -> Self {
+        let gas = |node: u32| 287.05 * f64::from(network.nodes[node as usize].temperature_k);
+        let mut parts = Self { reaches: Vec::new(), capacities: Vec::new(), held: Vec::new(), away_pa: 0.0 };
+        for ((index, node), gauge) in (0..).zip(network.nodes).zip(&target.gauge_pa) {
+            let volume_m3 = if let NodeKind::Cabin { volume_m3 } = node.kind { volume_m3 } else { 0.0 };
+            let held = node.kind == NodeKind::Boundary;
+            parts.point(f64::from(volume_m3) / gas(index), held, f64::from(node.start_gauge_pa) - gauge);
         }
-        let segments = network.segments_of(line);
-        let flow = line.flow_segment as usize;
-        let stores = |segment: &Segment| segment.outlet_volume_m3 > 0.0;
-        let first = segments[..flow].iter().rposition(stores).map_or(0, |before| before + 1);
-        let last = segments[flow..].iter().position(stores).map_or(segments.len() - 1, |on| flow + on);
-        let part = Line {
-            first_segment: line.first_segment + first as u32,
-            segments: (last - first + 1) as u32,
-            flow_segment: (flow - first) as u32,
-            ..*line
-        };
-        let part = Self::of(network, &part, w);
-        let forward = Loss { laminar: whole.forward.laminar, ..part.forward };
-        let reverse = Loss { laminar: whole.reverse.laminar, ..part.reverse };
-        Self { forward, reverse, w }
-    }
-
-    fn toward(&self, w: f64) -> &Loss {
-        if w < 0.0 { &self.reverse } else { &self.forward }
-    }
-
-    /// Difference between the pressures that drive this flow and another [Pa].
-    pub(super) fn apart_pa(&self, other: f64) -> f64 {
-        (self.toward(self.w).at(self.w) - self.toward(other).at(other)).abs()
-    }
-
-    /// Pressure that drives the flow, its head included [Pa].
-    fn drive_pa(&self) -> f64 {
-        self.toward(self.w).at(self.w)
-    }
-
-    /// Slope of flow over pressure at the flow; the smaller of both directions where it rests [kg/(s·Pa)].
-    fn slope(&self) -> f64 {
-        if self.drive_pa().abs() > REST_PA {
-            return 1.0 / self.toward(self.w).slope(self.w);
+        for (line, &w) in network.lines.iter().zip(&target.flow_kg_s) {
+            let start = f64::from(network.nodes[line.from as usize].start_gauge_pa);
+            let (mut from, mut gauge) = (line.from as usize, target.gauge_pa[line.from as usize]);
+            let segments = network.segments_of(line);
+            for range in reaches(network, line, storage) {
+                let last = &segments[range.end - 1];
+                let inertances = segments[range.clone()].iter().map(|s: &Segment| s.inertance_per_m);
+                let inertance_per_m = inertances.map(f64::from).sum();
+                let ends_line = range.end == segments.len();
+                let losses = Losses::of(network, line, range, w);
+                gauge -= losses.drop_pa();
+                let to = if ends_line {
+                    line.to as usize
+                } else {
+                    parts.point(f64::from(last.outlet_volume_m3) / gas(line.from), false, start - gauge)
+                };
+                parts.reaches.push(Reach { ends: [from, to], losses, inertance_per_m });
+                from = to;
+            }
         }
-        (1.0 / self.forward.slope(self.w)).min(1.0 / self.reverse.slope(self.w))
-    }
-
-    /// The larger of both directions where it rests: inertance swings longest through what is open [kg/(s·Pa)].
-    fn widest(&self) -> f64 {
-        if self.drive_pa().abs() > REST_PA {
-            return self.slope();
+        if let Storage::Slowed(step_s) = storage {
+            parts.slow(step_s);
         }
-        (1.0 / self.forward.slope(self.w)).max(1.0 / self.reverse.slope(self.w))
+        parts
     }
 
-    /// Slope of the chord from the flow to that at a drive which is larger `by` [Pa].
-    fn chord(&self, by: f64) -> f64 {
-        let y = self.drive_pa() + by;
-        if by.abs() > 0.0 { (self.toward(y).flow(y) - self.w) / by } else { f64::MAX }
+    /// Adds a point that starts so far from its steady state [Pa]. Returns its index.
+    fn point(&mut self, capacity: f64, held: bool, away_pa: f64) -> usize {
+        self.capacities.push(capacity);
+        self.held.push(held);
+        if !held {
+            self.away_pa = self.away_pa.max(away_pa.abs());
+        }
+        self.held.len() - 1
     }
 
-    /// w/y as the operator looks at it: the larger of both directions [kg/(s·Pa)].
-    fn secant(&self) -> f64 {
-        let y = self.drive_pa().abs().max(f64::MIN_POSITIVE);
-        (self.forward.flow(y) / y).max(self.reverse.flow(y) / y)
+    /// Gives every node the capacity that the operator makes of its own.
+    fn slow(&mut self, step_s: f64) {
+        let mut secants = vec![0.0; self.held.len()];
+        for reach in &self.reaches {
+            reach.ends.iter().for_each(|&end| secants[end] += reach.losses.secant());
+        }
+        for (capacity, secant) in self.capacities.iter_mut().zip(secants).filter(|(own, _)| **own > 0.0) {
+            *capacity = capacity.max(step_s * secant / THETA);
+        }
+    }
+
+    /// Largest eigenvalue of K⁻¹·C; the largest volume of a network without boundary is taken as held.
+    fn slowest(&self, conductance: impl Fn(&Losses) -> f64) -> f64 {
+        let mut held = self.held.clone();
+        if !held.contains(&true) {
+            let largest = (0..held.len()).max_by(|&a, &b| self.capacities[a].total_cmp(&self.capacities[b]));
+            held[largest.unwrap_or(0)] = true;
+        }
+        let rows: Vec<usize> = (0..held.len()).filter(|&point| !held[point]).collect();
+        if rows.is_empty() {
+            return 0.0;
+        }
+        let mut matrix = DMatrix::<f64>::zeros(rows.len(), rows.len());
+        for reach in self.reaches.iter().filter(|reach| reach.ends[0] != reach.ends[1]) {
+            let conductance = conductance(&reach.losses);
+            let ends = reach.ends.map(|end| rows.binary_search(&end).ok());
+            for end in ends.into_iter().flatten() {
+                matrix[(end, end)] += conductance;
+            }
+            if let [Some(from), Some(to)] = ends {
+                matrix[(from, to)] -= conductance;
+                matrix[(to, from)] -= conductance;
+            }
+        }
+        let factors = matrix.lu();
+        let mut shape = DVector::from_element(rows.len(), 1.0);
+        let mut slowest = 0.0;
+        for _ in 0..60 {
+            let stored = DVector::from_fn(rows.len(), |row, _| self.capacities[rows[row]] * shape[row]);
+            let Some(next) = factors.solve(&stored) else { return f64::INFINITY };
+            slowest = next.amax();
+            if slowest <= 0.0 || slowest.is_nan() {
+                return slowest;
+            }
+            shape = next / slowest;
+        }
+        slowest
     }
 }
 
 /// Returns the slowest time constant [s] on the way from the network's start to `target`.
 pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage) -> f64 {
-    let away = network.nodes.iter().zip(&target.gauge_pa).filter(|(node, _)| node.kind != NodeKind::Boundary);
-    let away = away.map(|(node, gauge)| (f64::from(node.start_gauge_pa) - gauge).abs()).fold(0.0, f64::max);
-    let losses: Vec<_> =
-        network.lines.iter().zip(&target.flow_kg_s).map(|(line, &w)| Losses::of(network, line, w)).collect();
-    let mut near = Vec::new();
-    let mut far = Vec::new();
-    let mut secants = vec![0.0; network.nodes.len()];
-    let mut columns_s = 0.0f64;
-    for (line, loss) in network.lines.iter().zip(&losses) {
-        near.push(loss.slope());
-        far.push(loss.chord(2.0 * away).min(loss.chord(-2.0 * away)).min(loss.slope()));
-        secants[line.from as usize] += loss.secant();
-        secants[line.to as usize] += loss.secant();
-        let inertance: f64 = network.segments_of(line).iter().map(|s| f64::from(s.inertance_per_m)).sum();
-        columns_s = columns_s.max(2.0 * inertance * loss.widest());
+    let parts = Parts::of(network, target, storage);
+    let by = 2.0 * parts.away_pa;
+    let chord = |losses: &Losses| losses.chord(by).min(losses.chord(-by)).min(losses.slope());
+    let stored = parts.slowest(Losses::slope).max(parts.slowest(chord));
+    if storage != Storage::Whole {
+        return stored;
     }
-    let capacities = capacities(network, storage, &secants);
-    let nodes = slowest(network, &capacities, &near).max(slowest(network, &capacities, &far));
-    if storage == Storage::Whole { nodes.max(columns_s) } else { nodes }
-}
-
-fn capacities(network: &Network<'_>, storage: Storage, secants: &[f64]) -> Vec<f64> {
-    let gas = |temperature: f32| 287.05 * f64::from(temperature);
-    let of = |(node, secant): (&eclss_core::Node, &f64)| match (node.kind, storage) {
-        (NodeKind::Cabin { volume_m3 }, Storage::Whole) => f64::from(volume_m3) / gas(node.temperature_k),
-        (NodeKind::Cabin { volume_m3 }, Storage::Slowed(step_s)) => {
-            (f64::from(volume_m3) / gas(node.temperature_k)).max(step_s * secant / THETA)
-        }
-        _ => 0.0,
-    };
-    let mut capacities: Vec<f64> = network.nodes.iter().zip(secants).map(of).collect();
-    if storage == Storage::Whole {
-        // A volume inside a line is filled through less of the line than either of its nodes is.
-        for line in network.lines {
-            let inside: f64 = network.segments_of(line).iter().map(|s| f64::from(s.outlet_volume_m3)).sum();
-            for node in [line.from as usize, line.to as usize] {
-                capacities[node] += inside / gas(network.nodes[node].temperature_k);
-            }
-        }
-    }
-    capacities
-}
-
-/// Largest eigenvalue of K⁻¹·C; the largest volume of a network without boundary is taken as held.
-fn slowest(network: &Network<'_>, capacities: &[f64], conductances: &[f64]) -> f64 {
-    let mut held: Vec<bool> = network.nodes.iter().map(|node| node.kind == NodeKind::Boundary).collect();
-    if !held.contains(&true) {
-        let largest = (0..held.len()).max_by(|&a, &b| capacities[a].total_cmp(&capacities[b]));
-        held[largest.unwrap_or(0)] = true;
-    }
-    let rows: Vec<usize> = (0..held.len()).filter(|&node| !held[node]).collect();
-    if rows.is_empty() {
-        return 0.0;
-    }
-    let row_of = |node: u32| rows.binary_search(&(node as usize)).ok();
-    let mut matrix = DMatrix::<f64>::zeros(rows.len(), rows.len());
-    for (line, &conductance) in
-        network.lines.iter().zip(conductances).filter(|(line, _)| line.from != line.to)
-    {
-        let (from, to) = (row_of(line.from), row_of(line.to));
-        for end in [from, to].into_iter().flatten() {
-            matrix[(end, end)] += conductance;
-        }
-        if let (Some(from), Some(to)) = (from, to) {
-            matrix[(from, to)] -= conductance;
-            matrix[(to, from)] -= conductance;
-        }
-    }
-    let factors = matrix.lu();
-    let mut shape = DVector::from_element(rows.len(), 1.0);
-    let mut slowest = 0.0;
-    for _ in 0..60 {
-        let stored = DVector::from_fn(rows.len(), |row, _| capacities[rows[row]] * shape[row]);
-        let Some(next) = factors.solve(&stored) else { return f64::INFINITY };
-        slowest = next.amax();
-        if slowest <= 0.0 || slowest.is_nan() {
-            return slowest;
-        }
-        shape = next / slowest;
-    }
-    slowest
+    let swings = parts.reaches.iter().map(|reach| 2.0 * reach.inertance_per_m * reach.losses.widest());
+    swings.fold(stored, f64::max)
 }
