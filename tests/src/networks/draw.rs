@@ -154,9 +154,10 @@ impl Drawn {
     /// Borrows the tables as a description that starts with these inputs.
     pub fn network<'n>(&'n self, inputs: &'n [f32]) -> Network<'n> {
         Network {
-            // High enough that no drawn head empties a node: here it is arithmetic that is tried, and no law of
-            // these elements looks at absolute pressure.
-            reference_pa: 1e6,
+            // As high as any pressure may deviate from it: here it is arithmetic that is tried, and no law of these
+            // elements looks at absolute pressure. A valve that shuts at once before a column of air has one of
+            // w·√(I/C) behind it, 1.4 MPa below the others in one of the first 2000 networks.
+            reference_pa: eclss_core::Fault::GAUGE_LIMIT_PA,
             nodes: &self.nodes,
             lines: &self.lines,
             segments: &self.segments,
