@@ -137,7 +137,8 @@ pub fn settle(drawn: &Drawn, method: Method) -> Result<Option<Settled>, Trouble>
     };
     let step_s = f64::from(drawn.step_us) * 1e-6;
     let storage = if method == Method::Adaptive { Storage::Slowed(step_s) } else { Storage::Whole };
-    let steps = TIME_CONSTANTS * slowest::time_constant_s(&network, &target, storage) / step_s;
+    let most_s = MOST_STEPS * step_s / TIME_CONSTANTS;
+    let steps = TIME_CONSTANTS * slowest::time_constant_s(&network, &target, storage, most_s) / step_s;
     if steps > MOST_STEPS || steps.is_nan() {
         return Ok(None);
     }

@@ -5,9 +5,8 @@
 //! of `K⁻¹·C`, a matrix without a negative entry, found by iteration. Conductances are taken twice, at the steady
 //! state and as the chord to the farthest that a reach can be away from it, and the slower result counts.
 //!
-//! Inertances I add `I·dw/dt = Δp − w/S`. Where a rate λ is not real the energies in C and in I are equal, so that its
-//! real part is −½·Σ(w²/S)/Σ(I·w²): swings decay no slower than with 2·I·S. A real rate −μ is at least the
-//! smallest 1/(I·S), or else `w = Δp/(1/S − μ·I)` has conductances of no less than S: no slower than without I.
+//! Inertances I make it `J·x = λ·M·x`, x the pressures and flows, M the C and I, J the balances. The slowest rate is that of
+//! the eigenvalues ν of √M·J⁻¹·√M, 1/λ all of them: slow ones are the large ones there, and what stores nothing is 0.
 //!
 //! `adaptive` slows a node of small volume to C/φ, and knows nothing inside a line.
 
@@ -17,7 +16,7 @@ use std::ops::Range;
 
 use eclss_core::{Line, Network, NodeKind, Segment};
 use eclss_network_file::steady::Steady;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 pub(super) use self::loss::Losses;
 
@@ -119,21 +118,28 @@ impl Parts {
     fn slow(&mut self, step_s: f64) {
         let mut secants = vec![0.0; self.held.len()];
         for reach in &self.reaches {
-            reach.ends.iter().for_each(|&end| secants[end] += reach.losses.secant());
+            for end in reach.ends {
+                secants[end] += reach.losses.secant();
+            }
         }
         for (capacity, secant) in self.capacities.iter_mut().zip(secants).filter(|(own, _)| **own > 0.0) {
             *capacity = capacity.max(step_s * secant / THETA);
         }
     }
 
-    /// Largest eigenvalue of K⁻¹·C; the largest volume of a network without boundary is taken as held.
-    fn slowest(&self, conductance: impl Fn(&Losses) -> f64) -> f64 {
+    /// Points whose pressures are free; the largest volume of a network without boundary is taken as held.
+    fn rows(&self) -> Vec<usize> {
         let mut held = self.held.clone();
         if !held.contains(&true) {
             let largest = (0..held.len()).max_by(|&a, &b| self.capacities[a].total_cmp(&self.capacities[b]));
             held[largest.unwrap_or(0)] = true;
         }
-        let rows: Vec<usize> = (0..held.len()).filter(|&point| !held[point]).collect();
+        (0..held.len()).filter(|&point| !held[point]).collect()
+    }
+
+    /// Largest eigenvalue of K⁻¹·C.
+    fn slowest(&self, conductance: impl Fn(&Losses) -> f64) -> f64 {
+        let rows = self.rows();
         if rows.is_empty() {
             return 0.0;
         }
@@ -163,17 +169,134 @@ impl Parts {
         }
         slowest
     }
+
+    /// Slowest time constant of capacities and inertances together [s].
+    fn slowest_swing_s(&self, conductance: impl Fn(&Losses) -> f64) -> f64 {
+        let rows = self.rows();
+        let inert = self.reaches.iter().filter(|reach| reach.inertance_per_m > 0.0).count();
+        let order = rows.len() + inert;
+        let mut balances = DMatrix::<f64>::zeros(order, order);
+        let mut root: Vec<f64> = rows.iter().map(|&point| self.capacities[point].sqrt()).collect();
+        // No rate that is not real is slower: the energies in C and in I are equal, and only flows lose.
+        let mut longest_s = 0.0f64;
+        for reach in &self.reaches {
+            let conductance = conductance(&reach.losses);
+            let ends = reach.ends.map(|end| rows.binary_search(&end).ok()).into_iter().zip([1.0, -1.0]);
+            let ends: Vec<(usize, f64)> = ends.filter_map(|(row, sign)| Some((row?, sign))).collect();
+            if reach.inertance_per_m > 0.0 {
+                let own = root.len();
+                root.push(reach.inertance_per_m.sqrt());
+                longest_s = longest_s.max(2.0 * reach.inertance_per_m * conductance);
+                balances[(own, own)] = -1.0 / conductance;
+                for (row, sign) in ends {
+                    balances[(own, row)] += sign;
+                    balances[(row, own)] -= sign;
+                }
+            } else {
+                for (row, sign) in &ends {
+                    for (other, to) in &ends {
+                        balances[(*row, *other)] -= sign * to * conductance;
+                    }
+                }
+            }
+        }
+        let Some(mut inverse) = balances.try_inverse() else { return f64::INFINITY };
+        for (row, column) in (0..order).flat_map(|row| (0..order).map(move |column| (row, column))) {
+            inverse[(row, column)] *= root[row] * root[column];
+        }
+        let values = inverse.complex_eigenvalues();
+        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let time_s = |value: &Complex<f64>| {
+            let exact = value.norm_sqr() / -value.re;
+            // So fast a swing that rounding hides how it decays.
+            if -value.re > HIDDEN * largest {
+                exact
+            } else {
+                longest_s.min(value.norm_sqr() / (HIDDEN * largest))
+            }
+        };
+        values.iter().map(time_s).fold(0.0, f64::max)
+    }
 }
 
-/// Returns the slowest time constant [s] on the way from the network's start to `target`.
-pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage) -> f64 {
+/// Part of the largest eigenvalue below which another is rounding [1].
+const HIDDEN: f64 = 1e-13;
+
+/// Returns the slowest time constant [s] on the way from the network's start to `target`, or some that is longer than
+/// `most_s`.
+pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage, most_s: f64) -> f64 {
     let parts = Parts::of(network, target, storage);
     let by = 2.0 * parts.away_pa;
     let chord = |losses: &Losses| losses.chord(by).min(losses.chord(-by)).min(losses.slope());
     let stored = parts.slowest(Losses::slope).max(parts.slowest(chord));
-    if storage != Storage::Whole {
+    if storage != Storage::Whole || stored > most_s {
         return stored;
     }
-    let swings = parts.reaches.iter().map(|reach| 2.0 * reach.inertance_per_m * reach.losses.widest());
-    swings.fold(stored, f64::max)
+    // Where lines rest that are open in one direction: closed they fill slowly, open they swing long.
+    let swings_s = stored.max(parts.slowest_swing_s(Losses::slope));
+    if parts.reaches.iter().all(|reach| reach.losses.widest() <= reach.losses.slope()) {
+        return swings_s;
+    }
+    swings_s.max(parts.slowest_swing_s(Losses::widest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eclss_core::element::{CheckValve, Pipe};
+    use eclss_core::{Node, StdElement, example};
+
+    /// One volume at rest behind a pipe, a volume inside and a second element, to a held node [s].
+    fn time_s(volume_m3: f32, inertance_per_m: f32, inside_m3: f32, second: StdElement) -> f64 {
+        let node = |kind| Node { kind, start_gauge_pa: 0.0, temperature_k: 300.0 };
+        let nodes = [node(NodeKind::Boundary), node(NodeKind::Cabin { volume_m3 })];
+        let segment = |element, inertance_per_m, outlet_volume_m3| Segment {
+            element,
+            inertance_per_m,
+            outlet_volume_m3,
+            first_input: 0,
+        };
+        let pipe = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e4 });
+        let segments = [segment(second, 0.0, inside_m3), segment(pipe, inertance_per_m, 0.0)];
+        let line = example::paper_loop().lines[0];
+        let lines = [Line { to: 1, segments: 2, flow_segment: 1, laminar_below_pa: 1.0, ..line }];
+        let network = Network { nodes: &nodes, lines: &lines, segments: &segments, ..example::paper_loop() };
+        let (gauge_pa, flow_kg_s, rate_pa_s) = (vec![0.0; 2], vec![0.0], vec![0.0; 2]);
+        let rest = Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations: 0, residual: 0.0 };
+        time_constant_s(&network, &rest, Storage::Whole, f64::INFINITY)
+    }
+
+    const PER_M3: f64 = 1.0 / (287.05 * 300.0);
+    /// Forward it resists with 1e4, backward it leaks 1e-7 kg/(s·Pa).
+    const VALVE: StdElement =
+        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 1e4, reverse_pa_s_kg: 1e7 });
+
+    #[test]
+    fn one_volume_behind_a_column_is_a_quadratic_equation() {
+        // The pipe has all of the resistance that counts: 1e4·√(1 Pa/1e4) at rest.
+        let wide = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e-6 });
+        let loss = 1e4 * (1.0f64 / 1e4).sqrt();
+        for volume in [1e-4, 1e-2, 1.0, 100.0] {
+            for inertance in [1.0, 30.0, 1000.0] {
+                let c = volume * PER_M3;
+                let root = (c * loss) * (c * loss) - 4.0 * inertance * c;
+                let rate = (c * loss - root.max(0.0).sqrt()) / (2.0 * inertance * c);
+                let said = time_s(volume as f32, inertance as f32, 0.0, wide);
+                // Without inertance it counts too, and is slower where the column only helps.
+                let expected = f64::max(1.0 / rate, c * loss);
+                assert!(
+                    (said / expected - 1.0).abs() < 1e-3,
+                    "{volume} m3, {inertance} 1/m: {said} s, not {expected} s"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_volume_behind_a_check_valve_fills_through_its_leak() {
+        // Towards its held node the volume inside the line has only the leak, towards the other only the pipe.
+        let said = time_s(1e-4, 0.0, 1e-2, VALVE);
+        let leak = 1e7 * (1e-2 + 1e-4) * PER_M3;
+        assert!((said / leak - 1.0).abs() < 1e-3, "{said} s, not {leak} s");
+    }
 }
