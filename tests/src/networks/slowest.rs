@@ -11,12 +11,13 @@
 //! `adaptive` slows a node of small volume to C/φ, and knows nothing inside a line.
 
 mod loss;
+mod swing;
 
 use std::ops::Range;
 
 use eclss_core::{Line, Network, NodeKind, Segment};
 use eclss_network_file::steady::Steady;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 pub(super) use self::loss::Losses;
 
@@ -169,58 +170,7 @@ impl Parts {
         }
         slowest
     }
-
-    /// Slowest time constant of capacities and inertances together [s].
-    fn slowest_swing_s(&self, conductance: impl Fn(&Losses) -> f64) -> f64 {
-        let rows = self.rows();
-        let inert = self.reaches.iter().filter(|reach| reach.inertance_per_m > 0.0).count();
-        let order = rows.len() + inert;
-        let mut balances = DMatrix::<f64>::zeros(order, order);
-        let mut root: Vec<f64> = rows.iter().map(|&point| self.capacities[point].sqrt()).collect();
-        // No rate that is not real is slower: the energies in C and in I are equal, and only flows lose.
-        let mut longest_s = 0.0f64;
-        for reach in &self.reaches {
-            let conductance = conductance(&reach.losses);
-            let ends = reach.ends.map(|end| rows.binary_search(&end).ok()).into_iter().zip([1.0, -1.0]);
-            let ends: Vec<(usize, f64)> = ends.filter_map(|(row, sign)| Some((row?, sign))).collect();
-            if reach.inertance_per_m > 0.0 {
-                let own = root.len();
-                root.push(reach.inertance_per_m.sqrt());
-                longest_s = longest_s.max(2.0 * reach.inertance_per_m * conductance);
-                balances[(own, own)] = -1.0 / conductance;
-                for (row, sign) in ends {
-                    balances[(own, row)] += sign;
-                    balances[(row, own)] -= sign;
-                }
-            } else {
-                for (row, sign) in &ends {
-                    for (other, to) in &ends {
-                        balances[(*row, *other)] -= sign * to * conductance;
-                    }
-                }
-            }
-        }
-        let Some(mut inverse) = balances.try_inverse() else { return f64::INFINITY };
-        for (row, column) in (0..order).flat_map(|row| (0..order).map(move |column| (row, column))) {
-            inverse[(row, column)] *= root[row] * root[column];
-        }
-        let values = inverse.complex_eigenvalues();
-        let largest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        let time_s = |value: &Complex<f64>| {
-            let exact = value.norm_sqr() / -value.re;
-            // So fast a swing that rounding hides how it decays.
-            if -value.re > HIDDEN * largest {
-                exact
-            } else {
-                longest_s.min(value.norm_sqr() / (HIDDEN * largest))
-            }
-        };
-        values.iter().map(time_s).fold(0.0, f64::max)
-    }
 }
-
-/// Part of the largest eigenvalue below which another is rounding [1].
-const HIDDEN: f64 = 1e-13;
 
 /// Returns the slowest time constant [s] on the way from the network's start to `target`, or some that is longer than
 /// `most_s`.
