@@ -167,7 +167,12 @@ pub(crate) fn start<E: Element>(
                 *pressure = from;
             }
         }
-        law::set_laminar(line, &mut work);
+        if law::is_turned(network, line) {
+            work.turning.fill(1.0);
+            law::turn_laminar(network, line, line.start_flow_kg_s > 0.0, &mut work);
+        } else {
+            law::set_laminar(line, &mut work);
+        }
     }
     law::join::<E, false, false>(network, tau, inputs, state.flow, &mut work);
     if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {

@@ -121,25 +121,29 @@ impl<E: Element> Observer<'_, '_, E> {
         let own = if relaxes { description.flow_segment as usize } else { 0 };
         let from = self.node_gauge_pa(description.from as usize);
         let mut resistance = 0.0;
+        let felt = |ratio: f32| if w > 0.0 { ratio } else { 1.0 };
         let gauge = |node| self.node_gauge_pa(node);
         let entry = responsive::of_line(self.network, description);
         let reach = entry.and_then(|entry| adaptive::whole_line(self.network, entry, self.inputs, gauge));
         let reach = reach.as_ref().map(|(reach, _)| reach);
         let mut ratio = common::flow_ratios(self.network, description, |place, segment, ratio| {
-            resistance += self.law(first + place, segment, w, ratio, reach).resistance;
+            let ratio_felt = felt(ratio);
+            resistance +=
+                ratio_felt * ratio_felt * self.law(first + place, segment, w, ratio, reach).resistance;
         });
         let laminar = math::sqrt(description.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
         for (offset, segment) in segments.iter().enumerate().rev() {
             let index = first + offset;
             ratio *= 1.0 + segment.element.removal();
-            let flow = if w > 0.0 { ratio * w } else { w };
+            let flow = felt(ratio) * w;
             if offset < own {
                 each(index, flow, from + self.state_at(Common::length(self.network) + index));
                 continue;
             }
             each(index, flow, pressure);
             let law = self.law(index, segment, w, ratio, reach);
-            let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
+            let least = felt(ratio) * laminar;
+            let loss = law.resistance * flow * math::larger(flow.abs(), least) + law.linear * flow;
             pressure += loss - law.head;
         }
     }
@@ -188,9 +192,18 @@ impl<E: Element> Observer<'_, '_, E> {
             Reach::new(self.network, entry, self.inputs, segments, [before, behind], nodes)
         });
         let responsive = responsive.as_ref();
-        let all = (line.first_segment as usize..).zip(self.network.segments_of(line));
-        let laws = all.map(|(index, segment)| self.law(index, segment, w, 1.0, responsive).resistance);
-        let laminar = math::sqrt(line.laminar_below_pa / math::larger(laws.sum(), f32::MIN_POSITIVE));
+        let (mut resistance, mut own_ratio) = (0.0, 1.0);
+        let felt = |ratio: f32| if w > 0.0 { ratio } else { 1.0 };
+        let first = line.first_segment as usize;
+        common::flow_ratios(self.network, line, |place, segment, ratio| {
+            let ratio = felt(ratio);
+            resistance += ratio * ratio * self.law(first + place, segment, w, 1.0, responsive).resistance;
+            if first + place == last {
+                own_ratio = ratio;
+            }
+        });
+        let limit = line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE);
+        let laminar = own_ratio * math::sqrt(limit);
         // Calls with every segment from the last on: its flow, loss over head [Pa] and inertance [1/m] as felt.
         let walk = |part: &mut dyn FnMut(usize, f32, f32, f32)| {
             let mut ratio = 1.0;
@@ -200,8 +213,8 @@ impl<E: Element> Observer<'_, '_, E> {
                     ratio *= 1.0 + segment.element.removal();
                 }
                 let law = self.law(index, segment, w, ratio, responsive);
-                let flow = if w > 0.0 { ratio * w } else { w };
-                let loss = law.resistance * flow * math::larger(flow.abs(), laminar) + law.linear * flow;
+                let (flow, least) = (felt(ratio) * w, felt(ratio) * laminar);
+                let loss = law.resistance * flow * math::larger(flow.abs(), least) + law.linear * flow;
                 part(index, flow, loss - law.head, ratio * segment.inertance_per_m);
             }
         };

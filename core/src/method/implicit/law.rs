@@ -3,6 +3,7 @@
 //! Segments with no volume between them carry one flow and are one reach: with m the ratio of a segment's flow to the
 //! reach's (more than 1 ahead of a drain, in forward flow), ΣI·m, ΣR·m², ΣL·m and Σf are the reach's law.
 
+use super::super::common::flow_ratios;
 use super::layout::{Work, at, continues, is_joined};
 use crate::element::{Element, Law, Operating};
 use crate::unroll::every;
@@ -48,10 +49,17 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
     every!(UNROLL, 0..network.active.len(), place => {
         if let Some(active) = network.active.get(place)
             && let Some(line) = network.lines.get(active.line as usize)
+            && !turns(network, line, work)
         {
             set_laminar(line, work);
         }
     });
+    let turning = !UNROLL || network.lines.iter().any(|line| is_turned(network, line));
+    if turning && work.turning.first().is_some_and(|turning| *turning > 0.0) {
+        for line in network.lines.iter().filter(|line| is_turned(network, line)) {
+            turn_laminar(network, line, present::<MOVED>(flow_place(network, line), flow, work) > 0.0, work);
+        }
+    }
 }
 
 #[inline(always)]
@@ -188,4 +196,50 @@ pub(crate) fn set_laminar(line: &Line, work: &mut Work<'_>) {
             *slot = laminar;
         }
     }
+}
+
+/// Whether the laminar flow of a line follows the direction of its flow: drains make the flows in it differ.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "nothing where the compiler knows the line")]
+pub(crate) fn is_turned<E: Element>(network: &Network<'_, E>, line: &Line) -> bool {
+    let drains = |segment: &Segment<E>| segment.element.removal() > 0.0;
+    line.laminar_below_pa > 0.0 && line.segments > 1 && network.segments_of(line).iter().any(drains)
+}
+
+/// The same for a run, which knows whether any line is.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one comparison")]
+fn turns<E: Element>(network: &Network<'_, E>, line: &Line, work: &Work<'_>) -> bool {
+    work.turning.first().is_some_and(|turning| *turning > 0.0) && is_turned(network, line)
+}
+
+/// Last segment of the reach that has the flow of a line.
+pub(crate) fn flow_place<E>(network: &Network<'_, E>, line: &Line) -> usize {
+    let own = super::range(line).skip(line.flow_segment as usize);
+    own.into_iter().find(|&index| !continues(&network.plan, index)).unwrap_or(0)
+}
+
+/// Laminar flows of a line with drains in one direction. The limit is a pressure lost by the line, ΣR·(m·w)², so with m
+/// the ratio of a segment's flow to the line's they are m·√(y/Σm²R).
+#[inline(never)]
+pub(crate) fn turn_laminar<E: Element>(
+    network: &Network<'_, E>,
+    line: &Line,
+    forward: bool,
+    work: &mut Work<'_>,
+) {
+    let first = line.first_segment as usize;
+    let ratio_of = |ratio: f32| if forward { ratio } else { 1.0 };
+    let mut resistance = 0.0;
+    flow_ratios(network, line, |place, _, ratio| {
+        let ratio = ratio_of(ratio);
+        let [own, ..] = work.law.get(first + place).copied().unwrap_or([0.0; 3]);
+        resistance += ratio * ratio * own;
+    });
+    let laminar = math::sqrt(line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE));
+    flow_ratios(network, line, |place, _, ratio| {
+        if let Some(own) = work.laminar.get_mut(first + place) {
+            *own = ratio_of(ratio) * laminar;
+        }
+    });
 }

@@ -32,7 +32,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
             + 3 * ports
             + 2 * rows
             + entries
-            + 2,
+            + 3,
     )
 }
 
@@ -127,6 +127,8 @@ pub(crate) struct Work<'w> {
     pub(crate) merged: &'w mut [f32],
     /// 1 where one solve would leave a volume what it rounds.
     pub(crate) again: &'w mut [f32],
+    /// 1 where some line's laminar flow follows its direction.
+    pub(crate) turning: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -166,6 +168,7 @@ impl<'w> Work<'w> {
             entries: cut.take(network.plan.columns.len()),
             merged: cut.take(1),
             again: cut.take(1),
+            turning: cut.take(1),
         }
     }
 }

@@ -76,6 +76,7 @@ pub(super) fn state_laws<E: Element>(
         let (quadratic, linear, head) = (&mut *work.quadratic, &mut *work.linear, &mut *work.head);
         let (inertia, guarded) = (&mut *work.inertia, &mut *work.guarded);
         let gauge = |point| at(pressure, point) + if solved { at(delta, point) } else { 0.0 };
+        let (flow_place, mut line_forward) = (law::flow_place(network, line), false);
         reaches(network, entry, line, inputs, gauge, |last, ends, reach| {
             let b = ports.get(last).map_or(0.0, |port| port[0]);
             let step = at(q, last as u32) + b * at(differ, last as u32);
@@ -83,6 +84,9 @@ pub(super) fn state_laws<E: Element>(
             let turned = guarded.get(last).is_some_and(|mark| *mark > FORWARD);
             let forward = if w == 0.0 { ends[0] >= ends[1] } else { w > 0.0 };
             let forward = forward && !(turned && place == Place::Closing);
+            if last == flow_place {
+                line_forward = forward;
+            }
             let (mut sums, mut inert) = ([0.0f32; 3], 0.0);
             reach.laws(w, memory, |index, ratio, [ahead, back]| {
                 let (own, ratio) = if forward { (ahead, ratio) } else { (back, 1.0) };
@@ -123,7 +127,11 @@ pub(super) fn state_laws<E: Element>(
                 *slot = sums[2];
             }
         });
-        law::set_laminar(line, work);
+        if law::is_turned(network, line) {
+            law::turn_laminar(network, line, line_forward, work);
+        } else {
+            law::set_laminar(line, work);
+        }
     }
 }
 
