@@ -1,5 +1,7 @@
 //! Near rest a loss is linear in flow, in lines that take mass out as well.
 
+use std::fmt::Write;
+
 use eclss_core::{Buffers, Health, Line, Method, Network, Settings, Simulator};
 use eclss_network_file::parse;
 use eclss_network_file::steady::steady;
@@ -15,12 +17,13 @@ fn text(forward: bool, volume_m3: f64) -> String {
     let mut text = String::from("schema = 1\nname = \"laminar\"\nreference_pressure_pa = 101325.0\n");
     let gauge = if forward { [DRIVE_PA, 0.0] } else { [0.0, DRIVE_PA] };
     for (id, gauge) in ["a", "b"].iter().zip(gauge) {
-        text += &format!(
+        let _ = write!(
+            text,
             "[[node]]\nid = \"{id}\"\nkind = \"boundary\"\npressure_pa = {}\ntemperature_k = 295.15\n",
             101_325.0 + gauge
         );
     }
-    text += &format!("[[line]]\nid = \"l\"\nfrom = \"a\"\nto = \"b\"\nlaminar_below_pa = {LIMIT_PA:e}\n");
+    let _ = write!(text, "[[line]]\nid = \"l\"\nfrom = \"a\"\nto = \"b\"\nlaminar_below_pa = {LIMIT_PA:e}\n");
     for (index, resistance) in RESISTANCES.iter().enumerate() {
         let kind = match index {
             0 => format!(
@@ -28,7 +31,8 @@ fn text(forward: bool, volume_m3: f64) -> String {
             ),
             _ => "kind = \"pipe\"\n".to_owned(),
         };
-        text += &format!(
+        let _ = write!(
+            text,
             "[[line.element]]\nid = \"e{index}\"\n{kind}resistance_pa_s2_kg2 = {resistance:e}\noutlet_volume_m3 = {volume_m3:e}\n"
         );
     }

@@ -182,12 +182,7 @@ pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage,
     if storage != Storage::Whole || stored > most_s {
         return stored;
     }
-    // Where lines rest that are open in one direction: closed they fill slowly, open they swing long.
-    let swings_s = stored.max(parts.slowest_swing_s(Losses::slope));
-    if parts.reaches.iter().all(|reach| reach.losses.widest() <= reach.losses.slope()) {
-        return swings_s;
-    }
-    swings_s.max(parts.slowest_swing_s(Losses::widest))
+    stored.max(parts.slowest_swing_s(chord))
 }
 
 #[cfg(test)]
