@@ -11,6 +11,7 @@ mod books;
 mod buffers;
 pub mod condenser;
 pub mod crew;
+mod density;
 pub mod exchanger;
 mod lines;
 pub mod medium;
@@ -25,6 +26,7 @@ pub mod volume;
 
 pub(crate) use buffers::sizes;
 pub use crew::Crew;
+pub(crate) use density::virtual_k;
 pub use exchanger::{Exchanger, ExchangerReadings};
 pub use observe::Ledger;
 pub(crate) use observe::Observed;

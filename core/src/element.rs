@@ -73,7 +73,8 @@ pub struct Operating<'a> {
     pub inlet_pa: f32,
     /// Absolute pressure at the outlet [Pa], ≥ 0; likewise.
     pub outlet_pa: f32,
-    /// Temperature of the gas that comes to the element [K], > 0; likewise.
+    /// Temperature of the gas that comes to the element [K], > 0: of dry air as dense as that gas is at its pressure;
+    /// likewise.
     pub temperature_k: f32,
     /// The element's own memory, as many slots as [`Element::memory`] says; likewise.
     pub memory: &'a [f32],

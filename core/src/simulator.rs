@@ -16,6 +16,7 @@ pub use split::SplitSimulator;
 use crate::climate::{self, ClimateError};
 use crate::element::{Element, StdElement};
 use crate::method::implicit::StageInputs;
+use crate::method::responsive::Given;
 use crate::method::{adaptive, implicit, relaxation};
 use crate::schedule::Instant;
 use crate::unroll::every;
@@ -175,11 +176,12 @@ impl<'a, E: Element> Simulator<'a, E> {
         let (state, climate_state) = state.split_at_mut(state.len().saturating_sub(climate_state));
         let (work, climate_work) = work.split_at_mut(work.len().saturating_sub(climate_work));
         climate::start(network, climate_state, climate_work, inputs);
+        let given = Given { inputs, virtual_k: climate::virtual_k(network, climate_work) };
         match settings.method {
             Method::Euler | Method::Relaxation => relaxation::start(network, state, work, inputs),
-            Method::Adaptive => adaptive::start(network, step_s, state, work, inputs),
+            Method::Adaptive => adaptive::start(network, step_s, state, work, given),
             Method::ImplicitEuler | Method::TrBdf2 => {
-                implicit::start(network, settings.method, step_s, state, work, inputs);
+                implicit::start(network, settings.method, step_s, state, work, given);
             }
         }
         (self.tick, self.time_us, self.unproven_ticks) = (0, 0, 0);
@@ -221,18 +223,21 @@ impl<'a, E: Element> Simulator<'a, E> {
             climate::control::<E, UNROLL>(network, h, self.tick, climate_state, climate_work, inputs);
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
+        let virtual_k = climate::virtual_k(network, climate_work);
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
         let (margin, mut place) = match settings.method {
             Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
             Method::Relaxation => relaxation::step::<E, UNROLL>(network, h, true, state, work, start),
-            Method::Adaptive => adaptive::step::<E, UNROLL>(network, h, state, work, start),
+            Method::Adaptive => {
+                adaptive::step::<E, UNROLL>(network, h, state, work, Given { inputs: start, virtual_k })
+            }
             Method::ImplicitEuler | Method::TrBdf2 => implicit::step::<E, UNROLL>(
                 network,
                 settings.method,
                 h,
                 state,
                 work,
-                StageInputs { start, middle, end },
+                StageInputs { start, middle, end, virtual_k },
             ),
         };
         if !network.climate.is_none() {

@@ -5,7 +5,7 @@ use super::condenser::{CELLS, WallFigures, WallState};
 use super::exchanger::{SHOWN, STORES};
 use super::medium::{PARTS, Parts};
 use super::volume::{Figures, STORED, Start, Stored};
-use super::{Climate, ControlLoop};
+use super::{Climate, ControlLoop, density};
 use crate::Network;
 use crate::method::common::Cut;
 
@@ -26,7 +26,7 @@ pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
         + LEDGER * STORED;
     let work =
         nodes * (2 * STORED + PARTS + 6 + 2 + 2) + exchangers * (3 * CELLS + SHOWN) + 2 * network.lines.len();
-    (state, work)
+    (state, work + density::kept(network))
 }
 
 /// The climate's part of the state.
@@ -72,6 +72,8 @@ pub(super) struct Work<'w> {
     /// What every line had given before this step, and its carry [kg].
     pub(super) given: &'w mut [[f32; 2]],
     pub(super) start: &'w mut [Start],
+    /// Virtual temperatures of the nodes [K]; last, so that flow methods find them.
+    pub(super) virtual_k: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -88,6 +90,7 @@ impl<'w> Work<'w> {
             shown: cut.take_rows(exchangers),
             given: cut.take_rows(network.lines.len()),
             start: cut.take_rows(nodes),
+            virtual_k: cut.take(density::kept(network)),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::lines::{begin_coils, move_lines, settle_coils};
 use super::medium::{PARTS, VAPOUR};
 use super::supply::{pass_walls, supply_volumes};
 use super::volume::{self, Constants, Held};
-use super::{Climate, ControlLoop, Measure};
+use super::{Climate, ControlLoop, Measure, density};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
 use crate::simulator::Place;
@@ -51,6 +51,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
             constants.start(fractions, figures, start);
         }
     }
+    density::derive(network, &mut work);
     for (exchanger, shown) in climate.exchangers.iter().zip(work.shown.iter_mut()) {
         shown[2] = exchanger.start_k - climate.reference_k;
     }
@@ -190,8 +191,9 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     pass_walls::<UNROLL>(climate, at, &mut state, &mut work);
     let mut place = None;
     let states = state.value.iter_mut().zip(state.carry).zip(state.owed.iter_mut().zip(state.owed_carry));
-    let books = work.books.net.iter_mut().zip(work.books.lost);
-    let shown = work.fractions.iter_mut().zip(work.figures).zip(work.passed.iter_mut().zip(work.start));
+    let books = work.books.net.iter_mut().zip(work.books.lost.iter_mut());
+    let shown = work.fractions.iter_mut().zip(work.figures.iter_mut());
+    let shown = shown.zip(work.passed.iter_mut().zip(work.start.iter()));
     let rows = states.zip(books).zip(shown).enumerate();
     every!(UNROLL, rows, (index, ((held, (net, lost)), ((fractions, figures), (passed, start)))) => {
         let ((value, carry), (owed, owed_carry)) = held;
@@ -213,5 +215,6 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             place = place.or(Some(Place::Node(index as u32)));
         }
     });
+    density::derive(network, &mut work);
     place
 }

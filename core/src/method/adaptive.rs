@@ -25,7 +25,7 @@ mod respond;
 pub(crate) mod split;
 
 use super::common::{self, NodeState};
-use super::responsive;
+use super::responsive::{self, Given};
 use crate::element::{Element, Law, Operating};
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -103,8 +103,9 @@ pub(crate) fn start<E: Element>(
     h: f32,
     state: &mut [f32],
     work: &mut [f32],
-    inputs: &[f32],
+    given: Given<'_>,
 ) {
+    let inputs = given.inputs;
     state.fill(0.0);
     work.fill(0.0);
     let mut state = State::of(network, state);
@@ -157,7 +158,7 @@ pub(crate) fn start<E: Element>(
             ];
         }
     }
-    respond::respond(network, f32::INFINITY, inputs, &mut state, &mut work);
+    respond::respond(network, f32::INFINITY, given, &mut state, &mut work);
 }
 
 /// Advances by `h` [s]. Returns the margin of this step and the first value that left its range.
@@ -168,13 +169,14 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     h: f32,
     state: &mut [f32],
     work: &mut [f32],
-    inputs: &[f32],
+    given: Given<'_>,
 ) -> (Margin, Option<Place>) {
+    let inputs = given.inputs;
     let mut state = State::of(network, state);
     let mut work = Work::of(network, work);
     ask_laws::<E, UNROLL>(network, inputs, state.lines, &mut work);
     if !network.responsive.is_empty() {
-        respond::respond(network, h, inputs, &mut state, &mut work);
+        respond::respond(network, h, given, &mut state, &mut work);
     }
     let mut watch = Watch::NOTHING;
     step_lines(h, network.lines, &mut state, &mut work, &mut watch);

@@ -33,7 +33,7 @@ mod small;
 use self::layout::{State, Work, at, continues, is_joined};
 use self::respond::Place as At;
 use self::segment::{Columns, Model};
-use super::responsive;
+use super::responsive::{self, Given};
 use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -99,8 +99,9 @@ pub(crate) fn start<E: Element>(
     h: f32,
     state: &mut [f32],
     work: &mut [f32],
-    inputs: &[f32],
+    given: Given<'_>,
 ) {
+    let inputs = given.inputs;
     state.fill(0.0);
     work.fill(0.0);
     let state = State::of(network, state);
@@ -178,7 +179,7 @@ pub(crate) fn start<E: Element>(
     if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {
         *again = 1.0;
     }
-    respond::advance(network, f32::INFINITY, inputs, state.flow, state.memory, &work);
+    respond::advance(network, f32::INFINITY, given, state.flow, state.memory, &work);
 }
 
 /// Whether one solve would hand some volume's rounding back to it: in a step it stores C·p/τ of a flow that is known to
@@ -219,6 +220,8 @@ pub(crate) struct StageInputs<'i> {
     pub(crate) start: &'i [f32],
     pub(crate) middle: &'i [f32],
     pub(crate) end: &'i [f32],
+    /// Virtual temperature of every node at the step's start, see [`Given`].
+    pub(crate) virtual_k: &'i [f32],
 }
 
 /// The columns of a pass, out of the work buffer.
@@ -251,14 +254,23 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
     segment::differences(network, work.pressure, work.drop);
     let responds = !network.responsive.is_empty();
+    let given = |stage| Given { inputs: stage, virtual_k: inputs.virtual_k };
     if responds {
-        respond::advance(network, h, inputs.start, state.flow, state.memory, work);
+        respond::advance(network, h, given(inputs.start), state.flow, state.memory, work);
     }
     // States the laws of responsive lines; nothing in a network without such lines.
     macro_rules! respond {
         ($inputs:expr, $place:expr) => {
             if responds {
-                respond::state_laws(network, model.tau, $inputs, $place, state.flow, state.memory, work);
+                respond::state_laws(
+                    network,
+                    model.tau,
+                    given($inputs),
+                    $place,
+                    state.flow,
+                    state.memory,
+                    work,
+                );
             }
         };
     }
@@ -276,7 +288,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         solve::<E, UNROLL, false, true>(model, state.flow, work);
     }
     if responds {
-        respond::solve_more::<E, UNROLL, true>(model, first, state.flow, state.memory, work);
+        respond::solve_more::<E, UNROLL, true>(model, given(first), state.flow, state.memory, work);
     }
     let weights = if two_stages {
         segment::carry_over([work.inertia, work.differ, work.q], work.ports, work.pushed, work.first);
@@ -293,7 +305,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         respond!(inputs.end, At::Iterate);
         solve::<E, UNROLL, false, false>(model, state.flow, work);
         if responds {
-            respond::solve_more::<E, UNROLL, false>(model, inputs.end, state.flow, state.memory, work);
+            respond::solve_more::<E, UNROLL, false>(model, given(inputs.end), state.flow, state.memory, work);
         }
         [MEAN, TAU]
     } else {

@@ -6,7 +6,7 @@
 use super::adaptive;
 use super::common::{self, Common};
 use super::implicit::layout::{self, continues};
-use super::responsive::{self, Reach};
+use super::responsive::{self, Given, Reach};
 use crate::element::{Element, Law, Operating};
 use crate::{Line, Method, Network, Segment, math};
 
@@ -18,9 +18,15 @@ pub(crate) struct Observer<'v, 'n, E> {
     pub(crate) work: &'v [f32],
     /// Inputs of the last step.
     pub(crate) inputs: &'v [f32],
+    /// Virtual temperatures of the nodes, see [`Given`].
+    pub(crate) virtual_k: &'v [f32],
 }
 
-impl<E: Element> Observer<'_, '_, E> {
+impl<'v, E: Element> Observer<'v, '_, E> {
+    fn given(&self) -> Given<'v> {
+        Given { inputs: self.inputs, virtual_k: self.virtual_k }
+    }
+
     fn state_at(&self, index: usize) -> f32 {
         self.state.get(index).copied().unwrap_or(f32::NAN)
     }
@@ -124,7 +130,7 @@ impl<E: Element> Observer<'_, '_, E> {
         let felt = |ratio: f32| if w > 0.0 { ratio } else { 1.0 };
         let gauge = |node| self.node_gauge_pa(node);
         let entry = responsive::of_line(self.network, description);
-        let reach = entry.and_then(|entry| adaptive::whole_line(self.network, entry, self.inputs, gauge));
+        let reach = entry.and_then(|entry| adaptive::whole_line(self.network, entry, self.given(), gauge));
         let reach = reach.as_ref().map(|(reach, _)| reach);
         let mut ratio = common::flow_ratios(self.network, description, |place, segment, ratio| {
             let ratio_felt = felt(ratio);
@@ -189,7 +195,7 @@ impl<E: Element> Observer<'_, '_, E> {
         let nodes = [line.from, line.to].map(|node| self.node_gauge_pa(node as usize));
         let segments = *reach.start()..last + 1;
         let responsive = responsive::of_line(self.network, line).and_then(|entry| {
-            Reach::new(self.network, entry, self.inputs, segments, [before, behind], nodes)
+            Reach::new(self.network, entry, self.given(), segments, [before, behind], nodes)
         });
         let responsive = responsive.as_ref();
         let (mut resistance, mut own_ratio) = (0.0, 1.0);

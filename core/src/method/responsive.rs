@@ -4,7 +4,8 @@
 //! two volumes for the implicit methods. Pressures at the ends of an element inside follow from those of the reach by
 //! what the other elements lose at the reach's last flow: from the inlet for what lies ahead, from the outlet for what
 //! lies behind. Laws are stated twice: for forward flow with the density of the line's inlet node, for reversed flow
-//! with that of its outlet node.
+//! with that of its outlet node. With a climate that density is the present one of the node's air: its *virtual
+//! temperature*, at which dry air of the same pressure would be as dense, stands for temperature and composition.
 
 use core::cmp::Ordering;
 use core::ops::Range;
@@ -19,8 +20,17 @@ const FOLLOWING_CHORD: f32 = 1.25;
 /// κ of a root law, the least of any.
 const ROOT_CHORD: f32 = 1.207_107;
 
-/// Density ratio and temperature [K] of the gas of a node.
+/// Density ratio and virtual temperature [K] of the gas of a node.
 type Gas = (f32, f32);
+
+/// What laws look at beside pressures, flows and memory.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a> {
+    /// Inputs of the stage.
+    pub(crate) inputs: &'a [f32],
+    /// Virtual temperature of every node [K]; empty without a climate, where gas is dry and stays as warm as it is.
+    pub(crate) virtual_k: &'a [f32],
+}
 
 /// Absolute pressure of a gauge pressure [Pa], ≥ 0.
 fn absolute_pa<E>(network: &Network<'_, E>, gauge_pa: f32) -> f32 {
@@ -83,9 +93,16 @@ pub(crate) fn chord_factor<E: Element>(network: &Network<'_, E>, entry: &Respons
 }
 
 /// Gas of both nodes of a line, whose absolute pressures are `nodes_pa`.
-fn gases<E>(network: &Network<'_, E>, entry: &Responsive, line: &Line, nodes_pa: [f32; 2]) -> [Gas; 2] {
+fn gases<E>(
+    network: &Network<'_, E>,
+    entry: &Responsive,
+    virtual_k: &[f32],
+    line: &Line,
+    nodes_pa: [f32; 2],
+) -> [Gas; 2] {
     let gas = |node: u32, pressure_pa: f32| {
-        let temperature = network.nodes.get(node as usize).map_or(1.0, |node| node.temperature_k);
+        let fixed = || network.nodes.get(node as usize).map_or(1.0, |node| node.temperature_k);
+        let temperature = virtual_k.get(node as usize).copied().unwrap_or_else(fixed);
         let reference = entry.reference_density_kg_m3;
         if reference > 0.0 {
             (
@@ -121,7 +138,7 @@ impl<'a, 'n, E: Element> Reach<'a, 'n, E> {
     pub(crate) fn new(
         network: &'a Network<'n, E>,
         entry: &Responsive,
-        inputs: &'a [f32],
+        given: Given<'a>,
         segments: Range<usize>,
         ends_gauge_pa: [f32; 2],
         nodes_gauge_pa: [f32; 2],
@@ -134,13 +151,13 @@ impl<'a, 'n, E: Element> Reach<'a, 'n, E> {
         let gain: f32 = before_last.iter().map(|segment| 1.0 + segment.element.removal()).product();
         Some(Self {
             network,
-            inputs,
+            inputs: given.inputs,
             segments,
             first_memory: entry.first_memory as usize
                 + ahead.iter().map(|segment| segment.element.memory()).sum::<usize>(),
             first_ratio: gain,
             ends_pa: absolute(ends_gauge_pa),
-            gases: gases(network, entry, line, absolute(nodes_gauge_pa)),
+            gases: gases(network, entry, given.virtual_k, line, absolute(nodes_gauge_pa)),
         })
     }
 

@@ -18,6 +18,7 @@ impl<'a, E: Element> Simulator<'a, E> {
             state: self.state,
             work: self.work,
             inputs: self.inputs.get(last_stage..).unwrap_or(&[]),
+            virtual_k: climate::virtual_k(self.network, self.work),
         }
     }
 

@@ -3,6 +3,7 @@
 use super::{BuildError, Health, InputError, Settings, Simulator, cut_tail, follow_schedules};
 use crate::element::Element;
 use crate::method::adaptive::split::{self, Join, SplitBuffers};
+use crate::method::responsive::Given;
 use crate::{Buffers, Method, MethodError, Network, PlanError, StdElement, climate};
 
 /// A simulator of `adaptive` that steps ranges of lines and of nodes side by side: the same bits as
@@ -56,7 +57,8 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
             climate::control::<E, false>(network, h, tick, climate_state, climate_work, inputs);
         }
         let inputs = inputs.get(..network.inputs.len()).unwrap_or(&[]);
-        let (margin, mut place) = split::step(network, h, state, work, inputs, &mut self.buffers, join);
+        let now = Given { inputs, virtual_k: climate::virtual_k(network, climate_work) };
+        let (margin, mut place) = split::step(network, h, state, work, now, &mut self.buffers, join);
         if !network.climate.is_none() {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };

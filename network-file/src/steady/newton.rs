@@ -134,7 +134,10 @@ impl<'n, E: Element> Problem<'n, E> {
         Circumstances {
             entry,
             nodes_pa: nodes.map(|node| f64::max(reference + gauge[node], 0.0)),
-            temperatures_k: nodes.map(|node| self.network.nodes[node].temperature_k),
+            temperatures_k: nodes.map(|node| {
+                let fixed = self.network.nodes[node].temperature_k;
+                self.network.climate.virtual_start_k(node, fixed).unwrap_or(fixed)
+            }),
             memory: &self.memory,
         }
     }

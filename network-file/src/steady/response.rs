@@ -17,7 +17,7 @@ pub(super) struct Circumstances<'a> {
     pub(super) entry: &'a Responsive,
     /// Absolute pressures of the line's nodes [Pa].
     pub(super) nodes_pa: [f64; 2],
-    /// Temperatures of the line's nodes [K].
+    /// Temperatures of the line's nodes, virtual ones where they hold air of a climate [K].
     pub(super) temperatures_k: [f32; 2],
     /// Memory of the whole network.
     pub(super) memory: &'a [f32],

@@ -6,7 +6,7 @@ use super::layout::{NodeFigures, State, Sums, Work};
 use super::line::{set_sums, special_flow};
 use crate::element::Element;
 use crate::method::common;
-use crate::method::responsive::Reach;
+use crate::method::responsive::{Given, Reach};
 use crate::{Network, Responsive};
 
 /// Advances the memories of all responsive lines by `h` [s], and states their laws.
@@ -14,7 +14,7 @@ use crate::{Network, Responsive};
 pub(super) fn respond<E: Element>(
     network: &Network<'_, E>,
     h: f32,
-    inputs: &[f32],
+    given: Given<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
@@ -23,7 +23,7 @@ pub(super) fn respond<E: Element>(
         let nodes: &[NodeFigures] = work.nodes;
         let gauge = |node: usize| nodes.get(node).map_or(0.0, |[pressure, ..]| *pressure);
         let (Some((reach, difference)), Some([w, ..]), Some(&[place, _, smallest])) =
-            (whole_line(network, entry, inputs, gauge), state.lines.get_mut(index), work.laws.get(index))
+            (whole_line(network, entry, given, gauge), state.lines.get_mut(index), work.laws.get(index))
         else {
             continue;
         };
@@ -44,13 +44,13 @@ pub(super) fn respond<E: Element>(
 pub(crate) fn whole_line<'a, 'n, E: Element>(
     network: &'a Network<'n, E>,
     entry: &Responsive,
-    inputs: &'a [f32],
+    given: Given<'a>,
     gauge_pa: impl Fn(usize) -> f32,
 ) -> Option<(Reach<'a, 'n, E>, f32)> {
     let line = network.lines.get(entry.line as usize)?;
     let gauges = [gauge_pa(line.from as usize), gauge_pa(line.to as usize)];
     let segments = line.first_segment as usize..(line.first_segment + line.segments) as usize;
-    let mut reach = Reach::new(network, entry, inputs, segments, gauges, gauges)?;
+    let mut reach = Reach::new(network, entry, given, segments, gauges, gauges)?;
     // The flow is that of the line's flow segment.
     common::flow_ratios(network, line, |place, _, ratio| {
         if place == 0 {

@@ -14,6 +14,7 @@ use super::respond::respond;
 use super::{ask_laws, outside};
 use crate::element::Element;
 use crate::method::common::NodeState;
+use crate::method::responsive::Given;
 use crate::operator::{self, Margin};
 use crate::simulator::Place;
 use crate::{End, Network, math};
@@ -105,7 +106,7 @@ pub(crate) fn step<E: Element>(
     h: f32,
     state: &mut [f32],
     work: &mut [f32],
-    inputs: &[f32],
+    given: Given<'_>,
     buffers: &mut SplitBuffers<'_>,
     join: &impl Join,
 ) -> (Margin, Option<Place>) {
@@ -124,8 +125,8 @@ pub(crate) fn step<E: Element>(
                 }
             }
         }
-        ask_laws::<E, false>(network, inputs, state.lines, &mut work);
-        respond(network, h, inputs, &mut state, &mut work);
+        ask_laws::<E, false>(network, given.inputs, state.lines, &mut work);
+        respond(network, h, given, &mut state, &mut work);
     }
     let lines = Lines {
         first: 0,

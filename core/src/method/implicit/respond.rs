@@ -7,7 +7,7 @@
 use super::layout::{Work, at, continues};
 use super::{Model, law, range, solve};
 use crate::element::Element;
-use crate::method::responsive::Reach;
+use crate::method::responsive::{Given, Reach};
 use crate::{Line, Network, Plan, Responsive, math};
 
 /// Solves a stage on top of those of any network.
@@ -35,7 +35,7 @@ pub(super) enum Place {
 pub(super) fn advance<E: Element>(
     network: &Network<'_, E>,
     step_s: f32,
-    inputs: &[f32],
+    given: Given<'_>,
     flow: &[f32],
     memory: &mut [f32],
     work: &Work<'_>,
@@ -46,7 +46,7 @@ pub(super) fn advance<E: Element>(
             network,
             entry,
             line,
-            inputs,
+            given,
             |point| at(work.pressure, point),
             |last, _, reach| {
                 reach.advance(at(flow, last as u32), step_s, memory);
@@ -60,7 +60,7 @@ pub(super) fn advance<E: Element>(
 pub(super) fn state_laws<E: Element>(
     network: &Network<'_, E>,
     tau: f32,
-    inputs: &[f32],
+    given: Given<'_>,
     place: Place,
     flow: &[f32],
     memory: &[f32],
@@ -77,7 +77,7 @@ pub(super) fn state_laws<E: Element>(
         let (inertia, guarded) = (&mut *work.inertia, &mut *work.guarded);
         let gauge = |point| at(pressure, point) + if solved { at(delta, point) } else { 0.0 };
         let (flow_place, mut line_forward) = (law::flow_place(network, line), false);
-        reaches(network, entry, line, inputs, gauge, |last, ends, reach| {
+        reaches(network, entry, line, given, gauge, |last, ends, reach| {
             let b = ports.get(last).map_or(0.0, |port| port[0]);
             let step = at(q, last as u32) + b * at(differ, last as u32);
             let w = at(flow, last as u32) + if solved { step } else { 0.0 };
@@ -139,13 +139,13 @@ pub(super) fn state_laws<E: Element>(
 #[inline(never)]
 pub(super) fn solve_more<E: Element, const UNROLL: bool, const FIRST: bool>(
     model: &Model<'_, '_, E, UNROLL>,
-    inputs: &[f32],
+    given: Given<'_>,
     flow: &[f32],
     memory: &[f32],
     work: &mut Work<'_>,
 ) {
     for _ in 0..MORE {
-        state_laws(model.network, model.tau, inputs, Place::Closing, flow, memory, work);
+        state_laws(model.network, model.tau, given, Place::Closing, flow, memory, work);
         solve::<E, UNROLL, false, FIRST>(model, flow, work);
     }
 }
@@ -155,7 +155,7 @@ fn reaches<'a, 'n, E: Element>(
     network: &'a Network<'n, E>,
     entry: &Responsive,
     line: &Line,
-    inputs: &'a [f32],
+    given: Given<'a>,
     gauge_pa: impl Fn(u32) -> f32,
     mut each: impl FnMut(usize, [f32; 2], &Reach<'a, 'n, E>),
 ) {
@@ -167,7 +167,7 @@ fn reaches<'a, 'n, E: Element>(
         }
         let points = network.plan.between.get(last).copied().unwrap_or([Plan::NOWHERE; 2]);
         let ends = points.map(&gauge_pa);
-        if let Some(reach) = Reach::new(network, entry, inputs, first..last + 1, ends, nodes) {
+        if let Some(reach) = Reach::new(network, entry, given, first..last + 1, ends, nodes) {
             each(last, ends, &reach);
         }
         first = last + 1;

@@ -1,0 +1,17 @@
+//! A network file on its way into a simulator.
+
+use eclss_core::{Buffers, Settings, Simulator};
+use eclss_network_file::{Loaded, parse};
+
+/// Runs `body` on the network of `text`.
+pub(crate) fn with_network<T>(text: &str, body: impl FnOnce(&Loaded, &mut Simulator<'_>) -> T) -> T {
+    let loaded = parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    let network = loaded.network();
+    let settings = Settings { method: loaded.run.method, step_us: loaded.run.step_us };
+    let sizes = settings.method.sizes(&network);
+    let (mut state, mut work) = (vec![0.0; sizes.state], vec![0.0; sizes.work]);
+    let (mut inputs, mut cursors) = (vec![0.0; sizes.inputs], vec![0; sizes.cursors]);
+    let buffers = Buffers { state: &mut state, work: &mut work, inputs: &mut inputs, cursors: &mut cursors };
+    let mut simulator = Simulator::new(&network, settings, buffers).expect("the network is accepted");
+    body(&loaded, &mut simulator)
+}
