@@ -82,6 +82,9 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
     }
     if notes.findings.is_empty() && loaded.file.run.start.as_deref() == Some("steady") {
         rest(&mut loaded, notes);
+        if notes.findings.is_empty() {
+            core_checks(&loaded, notes);
+        }
     }
     notes.findings.is_empty().then_some(loaded)
 }
@@ -372,8 +375,8 @@ fn records(file: &NetworkFile, all: Vec<Record>, notes: &mut Notes) -> Vec<Recor
 fn rest(loaded: &mut Loaded, notes: &mut Notes) {
     match steady::steady(&loaded.network(), &loaded.inputs) {
         Ok(rest) => {
-            for (node, gauge_pa) in loaded.nodes.iter_mut().zip(&rest.gauge_pa) {
-                node.start_gauge_pa = *gauge_pa as f32;
+            for (index, gauge_pa) in rest.gauge_pa.iter().enumerate() {
+                move_start(loaded, index, *gauge_pa as f32);
             }
             for (line, flow_kg_s) in loaded.lines.iter_mut().zip(&rest.flow_kg_s) {
                 line.start_flow_kg_s = *flow_kg_s as f32;
@@ -381,6 +384,26 @@ fn rest(loaded: &mut Loaded, notes: &mut Notes) {
         }
         Err(error) => notes.refuse_at("run", &["start"], error.text(&loaded.names)),
     }
+}
+
+/// Moves the start of a node to another pressure, at its temperature and with its composition: gas laws, or the springs
+/// of coolant, give the mass that it then holds.
+fn move_start(loaded: &mut Loaded, index: usize, gauge_pa: f32) {
+    let Some(node) = loaded.nodes.get_mut(index) else { return };
+    let file_gauge_pa = std::mem::replace(&mut node.start_gauge_pa, gauge_pa);
+    let Some(volume) = loaded.climate.volumes.get_mut(index) else { return };
+    let start_kg = f64::from(volume.start_kg);
+    let moved_kg = match node.kind {
+        NodeKind::Cabin { .. } => {
+            let absolute = |gauge: f32| f64::from(loaded.reference_pa) + f64::from(gauge);
+            start_kg * (absolute(gauge_pa) / absolute(file_gauge_pa))
+        }
+        NodeKind::Liquid { capacity_kg_pa } => {
+            start_kg + f64::from(capacity_kg_pa) * (f64::from(gauge_pa) - f64::from(file_gauge_pa))
+        }
+        NodeKind::Junction | NodeKind::Boundary => start_kg,
+    };
+    volume.start_kg = moved_kg as f32;
 }
 
 /// The core has the last word: on the tables, and on method and step.
