@@ -5,6 +5,7 @@ mod compiled;
 mod health;
 mod live;
 mod read;
+mod refusal;
 mod split;
 
 pub use checkpoint::CheckpointError;
@@ -51,12 +52,6 @@ pub enum BuildError {
         /// Length that was given.
         given: usize,
     },
-}
-
-impl core::fmt::Display for BuildError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{self:?}")
-    }
 }
 
 impl core::error::Error for BuildError {}

@@ -111,10 +111,10 @@ pub(crate) fn network(loaded: &Loaded, error: NetworkError, notes: &mut Notes) {
         }
         // These follow from the tables that this crate builds and say that it built them wrong.
         NetworkError::SegmentRange(index) | NetworkError::FlowSegment(index) => {
-            (format!("line[{index}]"), &[], format!("internal: {error:?}"))
+            (format!("line[{index}]"), &[], format!("internal: {error}"))
         }
         NetworkError::ActiveList | NetworkError::ResponsiveList(_) | NetworkError::Plan(_) => {
-            (String::new(), &["line"], format!("internal: {error:?}"))
+            (String::new(), &["line"], format!("internal: {error}"))
         }
     };
     notes.refuse_at(&path, keys, reason);
@@ -197,7 +197,7 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
             format!("the flows of method {method} are pseudo-time; heat and moisture need physical ones"),
             "take adaptive or an implicit method in [run]",
         ),
-        MethodError::Plan(error) => ("run".into(), &["method"], format!("internal: {error:?}"), ""),
+        MethodError::Plan(error) => ("run".into(), &["method"], format!("internal: {error}"), ""),
     };
     let span = notes.place(&path, keys);
     notes.refuse_with(span, reason, help);
@@ -265,7 +265,7 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
             let name = loaded.names.inputs.get(slot as usize).cloned().unwrap_or_default();
             (String::new(), &["air"], format!("the start value of `{name}` is out of its range"))
         }
-        ClimateError::Volumes => (String::new(), &["air"], format!("internal: {error:?}")),
+        ClimateError::Volumes => (String::new(), &["air"], format!("internal: {error}")),
     };
     notes.refuse_at(&path, keys, reason);
 }

@@ -154,7 +154,7 @@ impl SteadyError {
         let nodes = |list: &[u32]| list.iter().map(node).collect::<Vec<_>>().join(", ");
         let line = |index: &u32| name(&names.lines, *index);
         match self {
-            Self::Network(error) => format!("the network is wrong: {error:?}"),
+            Self::Network(error) => format!("the network is wrong: {error}"),
             Self::Inputs { needed, given } => format!("{given} input values for {needed} inputs"),
             Self::Floating { nodes: list } => {
                 format!("nothing fixes the pressure of {}: no volume and no boundary among them", nodes(list))

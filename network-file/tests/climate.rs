@@ -270,3 +270,19 @@ fn limits_name_a_stopped_fan() {
         assert!(broken.has(Limit::NotMixed));
     });
 }
+
+#[test]
+fn sensors_have_noises_of_their_own_and_an_explicit_seed_wins() {
+    let seeds = |text: &str| {
+        let loaded = parse(text, "thcs.toml").expect("the file is accepted");
+        loaded.climate.loops.iter().map(|control| control.sensor.seed).collect::<Vec<_>>()
+    };
+    let own = seeds(THCS);
+    let mut sorted = own.clone();
+    sorted.sort_unstable();
+    sorted.dedup();
+    assert!(own.len() > 2 && sorted.len() == own.len(), "{own:?}");
+    assert_eq!(own, seeds(THCS), "the same in every reading");
+    let given = seeds(&THCS.replacen("sensor_noise = 0.02", "sensor_noise = 0.02\nseed = 7", 1));
+    assert_eq!((given[0], &given[1..]), (7, &own[1..]));
+}

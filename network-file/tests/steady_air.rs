@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::fmt::Write as _;
+
 use eclss_core::Health;
 use eclss_core::climate::medium::{GAS_CONSTANTS_J_KG_K, dot};
 use eclss_network_file::Loaded;
@@ -83,10 +85,12 @@ resistance_pa_s2_kg2 = 1e6
     for (id, from, to, resistance) in
         [("a", "supply", "first", 1e4), ("b", "first", "second", 2e4), ("c", "second", "sink", 3e4)]
     {
-        text += &format!(
-            "[[line]]\nid = \"{id}\"\nfrom = \"{from}\"\nto = \"{to}\"\ndensity = \"follows\"\n\
-             [[line.element]]\nid = \"{id}_pipe\"\nkind = \"pipe\"\nresistance_pa_s2_kg2 = {resistance:e}\n"
+        text += "[[line]]\ndensity = \"follows\"\n";
+        let _ = writeln!(
+            text,
+            "id = \"{id}\"\nfrom = \"{from}\"\nto = \"{to}\"\n[[line.element]]\nid = \"{id}_pipe\""
         );
+        let _ = writeln!(text, "kind = \"pipe\"\nresistance_pa_s2_kg2 = {resistance:e}");
     }
     text
 }

@@ -154,7 +154,7 @@ pub struct ControlEntry {
     /// Standard deviation of the sensor's noise; 0 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor_noise: Option<f64>,
-    /// Seed of the noise; 1 when absent.
+    /// Seed of the noise; made of the id when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<f64>,
     /// Start values of its inputs, the set point among them.

@@ -400,7 +400,7 @@ impl Lowering<'_, '_> {
             max: entry.sensor_max as f32,
             lag_s: entry.sensor_lag_s.unwrap_or(0.0) as f32,
             noise: entry.sensor_noise.unwrap_or(0.0) as f32,
-            seed: entry.seed.unwrap_or(1.0) as u32,
+            seed: entry.seed.map_or_else(|| seed_of(&entry.id), |seed| seed as u32),
         };
         let actuator = Actuator {
             rate_per_s: (1.0 / entry.travel_s.unwrap_or(1.0)) as f32,
@@ -424,6 +424,12 @@ impl Lowering<'_, '_> {
             first_input,
         });
     }
+}
+
+/// Seed of the noise of a sensor by its name (FNV-1a), so that no two sensors have the same noise and a file has the same
+/// noise everywhere.
+fn seed_of(id: &str) -> u32 {
+    id.bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 fn controller(kind: &ControlKind) -> Controller {

@@ -24,7 +24,7 @@ use ::eclss_core::{
 pub const NAME: &str = "thcs";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0x82e754924893076e;
+pub const NETWORK_ID: u64 = 0x030f22eb94941e19;
 
 /// Method of the file.
 pub const METHOD: Method = Method::ImplicitEuler;
@@ -370,10 +370,10 @@ pub static WALLS: [Wall; 1] = [
 
 /// Control loops.
 pub static LOOPS: [ControlLoop; 4] = [
-    ControlLoop { measure: Temperature(0), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 1 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 39 },
-    ControlLoop { measure: Temperature(5), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 9, opposite: 4294967295, first_input: 43 },
-    ControlLoop { measure: Partial(0, 1), sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 27, opposite: 4294967295, first_input: 47 },
-    ControlLoop { measure: Pressure(0), sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 1 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 26, opposite: 4294967295, first_input: 51 },
+    ControlLoop { measure: Temperature(0), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 2228928019 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 39 },
+    ControlLoop { measure: Temperature(5), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1891996012 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 9, opposite: 4294967295, first_input: 43 },
+    ControlLoop { measure: Partial(0, 1), sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1645029807 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 27, opposite: 4294967295, first_input: 47 },
+    ControlLoop { measure: Pressure(0), sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 3483767528 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 26, opposite: 4294967295, first_input: 51 },
 ];
 
 /// The description with the method and step of the file, for a step specialised at compile time.
