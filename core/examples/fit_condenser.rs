@@ -84,7 +84,7 @@ fn sensitivity() {
     println!(
         "heat [W] at 0.15 m³/s, dew point 10 °C, coolant 277.5 K; air at 18, 22, 26 °C, each with 74, 110, 145 g/s"
     );
-    for coolant_w_k in [2_000.0f64, 4_000.0, 9_527.0, 20_000.0, 100_000.0] {
+    for coolant_w_k in [2_000.0f64, 4_000.0, 10_468.0, 20_000.0, 100_000.0] {
         let point = minimise([490f64.ln(), 0.57, coolant_w_k.ln()], [0.1, 0.05, 0.0], |point| {
             if (0.0..=1.0).contains(&point[1]) {
                 misfit(point, |rest| rest.by_temperature)

@@ -17,7 +17,7 @@ mod saturation;
 
 pub use properties::{
     LIQUID_HEAT_J_KG_K, MOLAR_RATIO, enthalpy_j_kg, evaporation_enthalpy_j_kg, humidity_ratio,
-    relative_humidity, vapour_pressure_pa,
+    moles_per_dry_mole, relative_humidity, vapour_pressure_pa,
 };
 pub use saturation::{dew_point_k, saturation_pressure_pa, saturation_slope_pa_k};
 

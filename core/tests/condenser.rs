@@ -3,7 +3,9 @@
 #[path = "support/effectiveness.rs"]
 mod effectiveness;
 
-use eclss_core::climate::condenser::Condenser;
+use eclss_core::climate::condenser::{CELLS, Coil, Condenser};
+use eclss_core::climate::medium::{Medium, VAPOUR};
+use eclss_core::climate::stream::Stream;
 use effectiveness::{AT_67_F, AT_75_F, Inlet, at_rest, errors, kelvin, largest_and_mean};
 
 const CCAA: Condenser = Condenser::CCAA;
@@ -17,7 +19,7 @@ fn rows_that_were_not_fitted_come_out_within_five_percent() {
 
 /// The fit of `cargo run --release -p eclss-core --example fit_condenser` by the other reading of the effectiveness.
 const BY_ENTHALPY: Condenser =
-    Condenser { air_w_k: 562.0, air_exponent: 0.9985, coolant_w_k: 42_752.0, ..CCAA };
+    Condenser { air_w_k: 563.4, air_exponent: 0.9984, coolant_w_k: 33_803.0, ..CCAA };
 
 #[test]
 fn the_temperature_reading_fits_better_than_the_enthalpy_reading() {
@@ -128,4 +130,43 @@ fn a_dry_coil_is_the_counterflow_exchanger_of_the_textbooks() {
     let effectiveness = (1.0 - decay) / (1.0 - c * decay);
     println!("{} against {effectiveness}", rest.by_temperature);
     assert!((rest.by_temperature / effectiveness - 1.0).abs() < 0.01);
+}
+
+/// Air that stays as long as it likes over cold walls leaves saturated: with `p_s/(p − p_s)` moles of water per mole of dry
+/// gas, whatever that gas and the pressure are. Against Buck's formula and molar masses in double precision.
+#[test]
+fn saturation_counts_moles_of_the_gas_that_flows() {
+    let (reference_k, wall_c) = (295.15f32, 8.0f64);
+    let air = Medium::air(reference_k);
+    let molar = [28.013_4f64, 31.998, 44.009, 18.015, 28.965];
+    let buck = 611.21 * ((18.678 - wall_c / 234.5) * (wall_c / (257.14 + wall_c))).exp();
+    for (parts, pressure_pa) in [
+        ([0.755f32, 0.245, 0.0, 0.0], 101_325.0f32),
+        ([0.0, 1.0, 0.0, 0.0], 34_500.0),
+        ([0.5, 0.2, 0.3, 0.0], 70_000.0),
+        ([0.0, 0.0, 0.9, 0.1], 101_325.0),
+    ] {
+        let [nitrogen, oxygen, carbon_dioxide, trace] = parts.map(|part| 1e-4 * part);
+        let mass_kg = [nitrogen, oxygen, carbon_dioxide, 5e-6, trace, 0.0];
+        let mut stream = Stream { mass_kg, energy_j: 0.0 };
+        stream.energy_j = stream.capacity_j_k(&air) * 5.0;
+        let (mut walls, mut figures) = ([[0.0; 4]; CELLS], [[0.0; 3]; CELLS]);
+        let mut coil = Coil {
+            condenser: &CCAA,
+            air: &air,
+            reference_k,
+            start_theta_k: 273.15 + wall_c as f32 - reference_k,
+            walls: &mut walls,
+            figures: &mut figures,
+        };
+        coil.begin();
+        coil.pass_air(&mut stream, 0.1, pressure_pa, false);
+        let moles: f64 = [(0, 0), (1, 1), (2, 2), (4, 4)]
+            .map(|(part, gas)| f64::from(mass_kg[part]) / molar[gas])
+            .iter()
+            .sum();
+        let exact = moles * molar[VAPOUR] * buck / (f64::from(pressure_pa) - buck);
+        let found = f64::from(stream.vapour_kg());
+        assert!((found / exact - 1.0).abs() < 1e-5, "{parts:?}: {found} kg for {exact} kg");
+    }
 }

@@ -202,7 +202,7 @@ fn driven(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> Li
         linear_pa_s_kg: None,
         quadratic_pa_s2_kg2: figures.between(5e3, 2e4),
     };
-    let fan = ElementKind::Fan(Machine { curve, speed: None, power_w: None });
+    let fan = ElementKind::Fan(Machine { curve, speed: None, power_w: None, efficiency: None });
     line(
         format!("fan_line{index}"),
         (to, from),

@@ -167,6 +167,8 @@ pub const SOME_CONDUCTANCE: Range = range(1e-6, 1e9, "W/K");
 pub const SOME_MASS: Range = range(1e-9, 1e6, "kg");
 /// Electric powers.
 pub const POWER: Range = range(0.0, 1e6, "W");
+/// Efficiencies of fans and pumps.
+pub const EFFICIENCY: Range = range(0.01, 1.0, "1");
 /// Bulk moduli of liquids.
 pub const BULK_MODULUS: Range = range(1e3, 1e12, "Pa");
 /// Stiffness of an accumulator's spring.
@@ -179,6 +181,8 @@ pub const PARTS: usize = 4_096;
 pub const REFERENCE_K: f64 = 295.15;
 /// Longest turnover of a mixed volume when the file does not say [s] (assumed: half an hour).
 pub const MIXING_LIMIT_S: f64 = 1_800.0;
+/// Largest hydraulic power of a fan or pump over its electric power when the file does not say [1] (assumed).
+pub const MACHINE_EFFICIENCY: f64 = 0.5;
 /// Evaporation of free water when the file does not say [kg/(s·Pa)] (assumed: about 1 m² of wet surface).
 pub const SURFACE_KG_S_PA: f64 = 2e-8;
 

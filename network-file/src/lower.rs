@@ -1,6 +1,7 @@
 //! From the document to the core's tables: references, densities, slots, and the core's own checks.
 
 mod climate;
+mod power;
 
 use std::collections::{HashMap, HashSet};
 

@@ -309,6 +309,7 @@ fn read_machine(element: &mut Table<'_, '_>) -> Machine {
         curve,
         speed: element.number("speed", &limits::SPEED),
         power_w: element.number("power_w", &limits::POWER),
+        efficiency: element.number("efficiency", &limits::EFFICIENCY),
     }
 }
 

@@ -1,14 +1,15 @@
 //! The version of checkpoints rises whenever their layout changes.
 //!
-//! A layout shows in how many words there are, in what they are at the start, and in which of them a step moves away
-//! from 0. The last does not look at values, so that arithmetic may change its last bits without a new version.
+//! A layout shows in how many words there are, in what they are at the start, and in which of them are large after a
+//! while. The last does not look at values nor at carries, so that arithmetic may change its last bits, and physics its
+//! figures a little, without a new version.
 
 mod support;
 
 use support::with_network;
 
 /// Version and fingerprint of every layout so far. A new layout gets a new version and a new row; rows stay as they are.
-const LAYOUTS: [(u16, u64); 1] = [(2, 0x865f_4360_0bb4_3be4)];
+const LAYOUTS: [(u16, u64); 1] = [(2, 0x43a1_919b_09ca_f6b6)];
 
 const FLOWS: &str = r#"
 schema = 1
@@ -58,16 +59,18 @@ fn layout(hash: u64, text: &str) -> (u16, u64) {
     const COUNTS: usize = 48;
     /// Where they begin.
     const WORDS: usize = 88;
+    /// Above every carry, and between what the words of these networks are otherwise.
+    const LARGE: f32 = 1e-3;
     with_network(text, |_, simulator| {
         let mut bytes = vec![0; simulator.checkpoint_bytes()];
         let saved = simulator.save(&mut bytes).expect("it fits");
         let version = u16::from_le_bytes([saved[4], saved[5]]);
         let words = &saved[WORDS..saved.len() - 4];
         let mut hash = add(add(hash, &saved[COUNTS..COUNTS + 16]), words);
-        simulator.step_times(3);
+        simulator.step_times(100);
         let saved = simulator.save(&mut bytes).expect("it fits");
         for word in saved[WORDS..saved.len() - 4].as_chunks::<4>().0 {
-            hash = add(hash, &[u8::from(f32::from_le_bytes(*word).abs() > 0.0)]);
+            hash = add(hash, &[u8::from(f32::from_le_bytes(*word).abs() > LARGE)]);
         }
         (version, hash)
     })

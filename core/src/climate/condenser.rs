@@ -5,6 +5,7 @@
 //!
 //! ```text
 //! air      T_o = T_s + b·(T_i − T_s)    W_o = min(W_i, W_s(T_s) + b·(W_i − W_s(T_s)))    b = exp(−NTU_a/n)
+//!          W_s = M_w/M_dry·p_s/(p − p_s), the molar mass of the dry gas that flows
 //! coolant  T_o = T_s + e·(T_i − T_s)                                                      e = exp(−NTU_c/n)
 //! NTU_a = U_a·(w/w_ref)^m/(w·c_p)       NTU_c = U_c·(w_c/w_c,ref)^0.46/(w_c·c_c)
 //! ```
@@ -63,10 +64,10 @@ impl Condenser {
     /// `(T_in − T_out)/(T_in − T_coolant)`; reference flows are free choices, capacity and film are assumed. The table
     /// hardly determines `U_c`: it only says that the coolant's side resists much less than the air's.
     pub const CCAA: Self = Self {
-        air_w_k: 491.9,
+        air_w_k: 490.1,
         air_reference_kg_s: 0.1,
-        air_exponent: 0.567_8,
-        coolant_w_k: 9_527.0,
+        air_exponent: 0.567_5,
+        coolant_w_k: 10_468.0,
         coolant_reference_kg_s: 0.075_6,
         capacity_j_k: 12_000.0,
         film_kg: 0.1,
@@ -174,6 +175,8 @@ impl Coil<'_> {
         let contact = Condenser::contact(conductance * step_s, capacity);
         let bypass = 1.0 - contact;
         let full = CELLS as f32 / data.film_kg;
+        // Vapour [kg] that is as many moles as the dry gas, whatever that is made of.
+        let saturable = stream.vapour_of_equal_moles_kg();
         let mut before = stream.energy_j - droplet_energy;
         for place in 0..CELLS {
             let index = if reversed { CELLS - 1 - place } else { place };
@@ -183,7 +186,7 @@ impl Coil<'_> {
                 continue;
             };
             let saturation = moist::saturation_pressure_pa(self.reference_k + *wall);
-            let excess = vapour - dry * moist::humidity_ratio(saturation, pressure_pa);
+            let excess = vapour - saturable * moist::moles_per_dry_mole(saturation, pressure_pa);
             // More than saturation condenses; less evaporates a film, where there is one and not more than there is.
             let wet = if excess > 0.0 { 1.0 } else { math::smaller(*film * full, 1.0) };
             let condensed = math::larger(contact * wet * excess, -*film);

@@ -1,6 +1,12 @@
 //! What passes a place during one step: masses and the energy that they carry.
 
-use super::medium::{LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
+use super::medium::{GAS_CONSTANTS_J_KG_K, LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
+
+/// Gas constants of nitrogen, oxygen, carbon dioxide and trace gases by that of vapour [1].
+const RATIOS: [f32; 4] = {
+    let [nitrogen, oxygen, carbon_dioxide, vapour, trace, _] = GAS_CONSTANTS_J_KG_K;
+    [nitrogen / vapour, oxygen / vapour, carbon_dioxide / vapour, trace / vapour]
+};
 
 /// Masses and energy that pass during one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -52,6 +58,14 @@ impl Stream {
     pub fn dry_kg(&self) -> f32 {
         let [nitrogen, oxygen, carbon_dioxide, _, trace, _] = self.mass_kg;
         nitrogen + oxygen + carbon_dioxide + trace
+    }
+
+    /// Mass of vapour that would be as many moles as the dry gas [kg]: Σ m·R over the vapour's R.
+    #[inline]
+    pub fn vapour_of_equal_moles_kg(&self) -> f32 {
+        let [nitrogen, oxygen, carbon_dioxide, _, trace, _] = self.mass_kg;
+        let [a, b, c, d] = RATIOS;
+        nitrogen * a + oxygen * b + carbon_dioxide * c + trace * d
     }
 
     /// Mass of vapour [kg].

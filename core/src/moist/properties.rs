@@ -22,7 +22,14 @@ const EVAPORATION_J_KG: f32 = 2_501e3;
 /// total pressure [Pa]; a large number, never a negative one, where water boils and there is no dry air left.
 #[inline]
 pub fn humidity_ratio(vapour_pa: f32, pressure_pa: f32) -> f32 {
-    MOLAR_RATIO * vapour_pa / math::larger(pressure_pa - vapour_pa, 1e-3 * vapour_pa)
+    MOLAR_RATIO * moles_per_dry_mole(vapour_pa, pressure_pa)
+}
+
+/// Returns moles of water per mole of dry gas [1] at the vapour's pressure [Pa, below half the total] and the total
+/// pressure [Pa], whatever the dry gas is; a large number, never a negative one, where water boils.
+#[inline]
+pub fn moles_per_dry_mole(vapour_pa: f32, pressure_pa: f32) -> f32 {
+    vapour_pa / math::larger(pressure_pa - vapour_pa, 1e-3 * vapour_pa)
 }
 
 /// Returns the vapour's pressure [Pa] of air with `humidity_ratio` [kg/kg, ≥ 0] at `pressure_pa` [Pa].

@@ -81,11 +81,13 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
     let (air, water) = (Medium::air(REFERENCE_K), Medium::coolant(WATER_J_KG_K));
     let vapour_pa = moist::saturation_pressure_pa(inlet.dew_point_k);
     let dry_kg_s = inlet.air_m3_s * (PRESSURE_PA - vapour_pa) / (287.05 * inlet.air_k);
-    let humidity_in = moist::humidity_ratio(vapour_pa, PRESSURE_PA);
     let dry_kg = dry_kg_s * step_s;
-    // 75.5 % nitrogen and 24.5 % oxygen
-    let mass_kg = [0.755 * dry_kg, 0.245 * dry_kg, 0.0, humidity_in * dry_kg, 0.0, 0.0];
-    let mut entering = Stream { mass_kg, energy_j: 0.0 };
+    // 75.5 % nitrogen and 24.5 % oxygen; a little lighter than air with its argon.
+    let mut entering =
+        Stream { mass_kg: [0.755 * dry_kg, 0.245 * dry_kg, 0.0, 0.0, 0.0, 0.0], energy_j: 0.0 };
+    let ratio = entering.vapour_of_equal_moles_kg() / dry_kg;
+    let humidity_in = ratio * moist::moles_per_dry_mole(vapour_pa, PRESSURE_PA);
+    entering.mass_kg[VAPOUR] = humidity_in * dry_kg;
     entering.energy_j = entering.capacity_j_k(&air) * (inlet.air_k - REFERENCE_K);
     let coolant_mass = inlet.coolant_kg_s * step_s;
     let mut coolant_in = Stream { mass_kg: [coolant_mass, 0.0, 0.0, 0.0, 0.0, 0.0], energy_j: 0.0 };
@@ -124,7 +126,8 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
     let unbalance = [net[0] / exchanged[0], net[1] / exchanged[1].max(1e-9)];
     let air_out_k = REFERENCE_K + out.theta_k(&air);
     let humidity_out = out.mass_kg[VAPOUR] / dry_kg;
-    let saturated = moist::humidity_ratio(moist::saturation_pressure_pa(inlet.coolant_k), PRESSURE_PA);
+    let saturated =
+        ratio * moist::moles_per_dry_mole(moist::saturation_pressure_pa(inlet.coolant_k), PRESSURE_PA);
     let h = moist::enthalpy_j_kg;
     let (h_in, h_out) = (h(inlet.air_k, humidity_in), h(air_out_k, humidity_out));
     let h_best = h(inlet.coolant_k, saturated.min(humidity_in));

@@ -176,9 +176,13 @@ pub struct Machine {
     /// Speed at the start [1, 1 = rated]; 1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed: Option<f64>,
-    /// Electric power at rated speed, which heats what it moves [W]; 0 when absent, needs `[air]`.
+    /// Electric power at rated speed, which heats what it moves [W]; from the efficiency when absent, needs `[air]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power_w: Option<f64>,
+    /// Largest hydraulic power over the electric one [1]; [`crate::limits::MACHINE_EFFICIENCY`] when both are absent, needs
+    /// `[air]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
 }
 
 /// Pressure regulator.

@@ -9,11 +9,12 @@ use eclss_core::climate::{
     Contents, ControlLoop, Crew, Exchanger, Measure, Passage, Remover, Source, Station, Volume, Wall,
 };
 use eclss_core::control::{Actuator, Controller, Pid, Sensor, Thermostat};
-use eclss_core::{InputSpec, Line, moist};
+use eclss_core::element::{Fan, Pump};
+use eclss_core::{InputSpec, Line, StdElement, moist};
 
 use super::Tables;
 use crate::document::air::{CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, Starts};
-use crate::document::{ElementKind, NetworkFile, NodeEntry, NodeEntryKind};
+use crate::document::{ElementKind, LineEntry, Machine, NetworkFile, NodeEntry, NodeEntryKind};
 use crate::input::Slot;
 use crate::limits;
 use crate::loaded::ClimateTables;
@@ -67,8 +68,10 @@ fn refuse_without_air(file: &NetworkFile, notes: &mut Notes) {
                 | ElementKind::Heater { .. } => {
                     refuse(path, &["kind"]);
                 }
-                ElementKind::Fan(machine) | ElementKind::Pump(machine) if machine.power_w.is_some() => {
-                    refuse(path, &["power_w"]);
+                ElementKind::Fan(machine) | ElementKind::Pump(machine)
+                    if machine.power_w.is_some() || machine.efficiency.is_some() =>
+                {
+                    refuse(path, &["power_w", "efficiency"]);
                 }
                 _ => {}
             }
@@ -225,18 +228,30 @@ impl Lowering<'_, '_> {
                     ElementKind::Heater { starts, .. } => Passage::Heater {
                         power_input: self.inputs(&element.id, &[HEATER_INPUT], starts, &path),
                     },
-                    ElementKind::Fan(machine) | ElementKind::Pump(machine) => match machine.power_w {
-                        Some(power) => Passage::Machine {
-                            power_w: power as f32,
-                            speed_input: self.tables.segments[segment as usize].first_input,
-                        },
-                        None => continue,
+                    ElementKind::Fan(machine) | ElementKind::Pump(machine) => Passage::Machine {
+                        power_w: self.power_w(line, segment, machine, &path),
+                        speed_input: self.tables.segments[segment as usize].first_input,
                     },
                     _ => continue,
                 };
                 self.climate.stations.push(Station { segment, line: index as u32, passage });
             }
         }
+    }
+
+    /// Electric power of a machine at rated speed [W].
+    fn power_w(&mut self, line: &LineEntry, segment: u32, machine: &Machine, path: &str) -> f32 {
+        let node = |id: &str| self.file.nodes.iter().position(|node| node.id == id);
+        let density = super::density(self.file, line, node(&line.from), node(&line.to));
+        let curve = match &self.tables.segments[segment as usize].element {
+            StdElement::Fan(Fan { curve }) | StdElement::Pump(Pump { curve }) => *curve,
+            _ => return 0.0,
+        };
+        let power = super::power::electric_w(machine, &curve, density);
+        power.unwrap_or_else(|(key, reason)| {
+            self.notes.refuse_at(path, &[key], reason);
+            0.0
+        }) as f32
     }
 
     fn exchanger(&mut self, id: &str, line: usize, coil: &CoilEntry, own_coolant: bool, path: &str) {

@@ -24,7 +24,7 @@ use ::eclss_core::{
 pub const NAME: &str = "thcs";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0x030f22eb94941e19;
+pub const NETWORK_ID: u64 = 0xf95f761475de8bd8;
 
 /// Method of the file.
 pub const METHOD: Method = Method::ImplicitEuler;
@@ -342,7 +342,7 @@ pub static STATIONS: [Station; 6] = [
 
 /// Condensers.
 pub static EXCHANGERS: [Exchanger; 1] = [
-    Exchanger { condenser: Condenser { air_w_k: 491.9, air_reference_kg_s: 0.1, air_exponent: 0.5678, coolant_w_k: 9527.0, coolant_reference_kg_s: 0.0756, capacity_j_k: 12000.0, film_kg: 0.1 }, start_k: 280.0, outlet_node: 2, own_coolant: false, separator_kg: 2.0, discharge_s: 4500.0, slug_kg: 0.05, first_input: 6 },
+    Exchanger { condenser: Condenser { air_w_k: 490.1, air_reference_kg_s: 0.1, air_exponent: 0.5675, coolant_w_k: 10468.0, coolant_reference_kg_s: 0.0756, capacity_j_k: 12000.0, film_kg: 0.1 }, start_k: 280.0, outlet_node: 2, own_coolant: false, separator_kg: 2.0, discharge_s: 4500.0, slug_kg: 0.05, first_input: 6 },
 ];
 
 /// Sources.
