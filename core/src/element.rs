@@ -37,6 +37,15 @@ pub use relief_valve::ReliefValve;
 pub use valve::Valve;
 
 use crate::Fingerprint;
+use crate::control::ActuatorFault;
+
+/// Input of a valve that acts by itself: 0 sound, 1 stuck as it stands, 2 open, 3 closed.
+const FAULT: InputSpec = InputSpec { name: "fault", unit: "1", min: 0.0, max: 3.0, default: 0.0 };
+
+/// The fault of a valve that acts by itself.
+fn fault(inputs: &[f32]) -> ActuatorFault {
+    ActuatorFault::of_input(inputs.first().copied().unwrap_or(0.0))
+}
 
 /// Pressure law of an element around its present flow:
 /// `p_in − p_out = resistance·w·|w| + linear·w − head`.

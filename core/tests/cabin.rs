@@ -44,7 +44,7 @@ const CREW: usize = 1;
 const SOURCE: usize = 3;
 const REMOVER: usize = 10;
 const EXCHANGER: usize = 12;
-const WALL: usize = 15;
+const WALL: usize = 17;
 
 impl Cabin {
     fn new(volume_m3: f32, temperature_k: f32, vapour_pa: f64) -> Self {
@@ -57,12 +57,13 @@ impl Cabin {
             mixing_limit_s: 1_800.0,
             surface_kg_s_pa: 1e-7,
         };
-        let mut inputs = vec![0.0; 16];
+        let mut inputs = vec![0.0; 18];
         inputs[SPEED] = 1.0;
         inputs[CREW + 1] = 1.0;
         inputs[REMOVER + 1] = 1.0;
         inputs[EXCHANGER] = 0.95;
         inputs[EXCHANGER + 2] = 277.6;
+        inputs[EXCHANGER + 4] = 1.0;
         inputs[WALL] = REFERENCE_K;
         Self {
             nodes: vec![Node { kind: NodeKind::Cabin { volume_m3 }, start_gauge_pa: 0.0, temperature_k }],

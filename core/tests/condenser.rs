@@ -154,6 +154,7 @@ fn saturation_counts_moles_of_the_gas_that_flows() {
         let mut coil = Coil {
             condenser: &CCAA,
             air: &air,
+            clean: 1.0,
             reference_k,
             start_theta_k: 273.15 + wall_c as f32 - reference_k,
             walls: &mut walls,

@@ -9,7 +9,7 @@ use eclss_core::element::{
 };
 use eclss_core::{StdElement, air};
 
-use crate::document::{Curve, ElementEntry, ElementKind, Loss};
+use crate::document::{Curve, ElementEntry, ElementKind, Loss, Passage};
 use crate::limits::{self, Range};
 use crate::notes::Notes;
 use crate::number::single;
@@ -42,11 +42,19 @@ impl Conversion<'_> {
     fn element(&mut self) -> StdElement {
         match &self.entry.kind {
             // For the flow these are a loss; what else they do is the climate's.
-            ElementKind::Pipe { loss }
-            | ElementKind::Condenser { loss, .. }
-            | ElementKind::CoolantSide { loss, .. }
-            | ElementKind::Heater { loss, .. } => {
-                StdElement::Pipe(Pipe { resistance_pa_s2_kg2: self.resistance(loss) })
+            ElementKind::Pipe { loss, blockage }
+            | ElementKind::Condenser { loss, blockage, .. }
+            | ElementKind::CoolantSide { loss, blockage, .. }
+            | ElementKind::Heater { loss, blockage, .. } => {
+                let resistance = self.resistance(loss);
+                if blockage.blockable == Some(true) {
+                    // A free share C of the area, as of a hatch.
+                    let (open_resistance_pa_s2_kg2, leakage_opening) =
+                        (resistance, limits::LEAKAGE_OPENING as f32);
+                    StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2, leakage_opening })
+                } else {
+                    StdElement::Pipe(Pipe { resistance_pa_s2_kg2: resistance })
+                }
             }
             ElementKind::ReferencePipe { pressure_drop_pa, mass_flow_kg_s, exponent, density_kg_m3 } => {
                 // Δp = Δp_ref·(ρ_ref/ρ)·(w/w_ref)^n: the loss that the same flow has at the line's density.
@@ -85,10 +93,10 @@ impl Conversion<'_> {
                 largest_flow_kg_s: *largest_flow_kg_s as f32,
                 slope_kg_s_pa: *slope_kg_s_pa as f32,
             }),
-            ElementKind::Orifice { discharge_coefficient } => StdElement::Orifice(Orifice {
+            ElementKind::Orifice { discharge_coefficient, .. } => StdElement::Orifice(Orifice {
                 effective_area_m2: self.effective_area(*discharge_coefficient),
             }),
-            ElementKind::Leak { leak_kg_d, pressure_drop_pa, inlet_pressure_pa } => {
+            ElementKind::Leak { leak_kg_d, pressure_drop_pa, inlet_pressure_pa, .. } => {
                 self.leak(*leak_kg_d, *pressure_drop_pa, *inlet_pressure_pa)
             }
             ElementKind::CheckValve { loss, reverse_leak_kg_s, reverse_pressure_pa } => {
@@ -98,11 +106,18 @@ impl Conversion<'_> {
                     reverse_pa_s_kg: self.fit("reverse_leak_kg_s", reverse, &limits::SEAT_RESISTANCE),
                 })
             }
-            ElementKind::ReliefValve { crack_pa, reseat_pa, loss, leakage_opening } => {
+            ElementKind::ReliefValve { crack_pa, reseat_pa, passage, leakage_opening } => {
+                let (resistance_pa_s2_kg2, effective_area_m2) = match passage {
+                    Passage::Discharge { discharge_coefficient } => {
+                        (0.0, self.effective_area(*discharge_coefficient))
+                    }
+                    Passage::Loss(loss) => (self.resistance(loss), 0.0),
+                };
                 StdElement::ReliefValve(ReliefValve {
                     crack_pa: *crack_pa as f32,
                     reseat_pa: *reseat_pa as f32,
-                    resistance_pa_s2_kg2: self.resistance(loss),
+                    resistance_pa_s2_kg2,
+                    effective_area_m2,
                     leakage_opening: leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
                 })
             }

@@ -19,8 +19,8 @@ use std::fmt;
 
 use crate::document::air::ContentsEntry;
 use crate::document::{
-    Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run,
-    SCHEMA, ScheduleEntry,
+    Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
+    NodeEntryKind, Run, SCHEMA, ScheduleEntry,
 };
 use crate::limits;
 
@@ -225,7 +225,8 @@ fn line(id: String, (from, to): (usize, usize), elements: Vec<ElementEntry>) -> 
 
 fn duct(id: String, figures: &mut Figures) -> ElementEntry {
     let resistance_pa_s2_kg2 = short(10f64.powi(3) * (1.0 + 30.0 * figures.unit() * figures.unit()));
-    let kind = ElementKind::Pipe { loss: Loss::Resistance { resistance_pa_s2_kg2 } };
+    let kind =
+        ElementKind::Pipe { loss: Loss::Resistance { resistance_pa_s2_kg2 }, blockage: Blockage::default() };
     element(id, kind, figures.between(2.0, 8.0), 0.15)
 }
 

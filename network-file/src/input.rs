@@ -31,7 +31,14 @@ impl Slot {
 /// Adds the slots of one element.
 pub(crate) fn slots_of(element: &StdElement, entry: &ElementEntry, path: &str, slots: &mut Vec<Slot>) {
     let start = match &entry.kind {
-        ElementKind::Valve { opening, .. } | ElementKind::Hatch { opening, .. } => *opening,
+        ElementKind::Valve { opening, .. }
+        | ElementKind::Hatch { opening, .. }
+        | ElementKind::Orifice { opening, .. }
+        | ElementKind::Leak { opening, .. } => *opening,
+        ElementKind::Pipe { blockage, .. }
+        | ElementKind::Condenser { blockage, .. }
+        | ElementKind::CoolantSide { blockage, .. }
+        | ElementKind::Heater { blockage, .. } => blockage.opening,
         ElementKind::Fan(machine) | ElementKind::Pump(machine) => machine.speed,
         _ => None,
     };

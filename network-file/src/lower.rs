@@ -6,7 +6,7 @@ mod power;
 use std::collections::{HashMap, HashSet};
 
 use eclss_core::element::Operating;
-use eclss_core::{Active, Element, Fault, Line, Method, Node, NodeKind, Responsive, Segment, air};
+use eclss_core::{Active, Element, Fault, InputSpec, Line, Method, Node, NodeKind, Responsive, Segment, air};
 
 use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
 use crate::duration::duration_us;
@@ -305,7 +305,9 @@ fn density(file: &NetworkFile, line: &LineEntry, from: Option<usize>, to: Option
 fn excessive_flow(segments: &[Segment], drop_pa: f64, (high_pa, temperature_k): (f64, f64)) -> Option<f64> {
     let (mut loss, mut drive) = (0.0, drop_pa.abs());
     for segment in segments {
-        let most = segment.element.input_spec(0).map_or(1.0, |spec| spec.max);
+        // Of a valve that acts by itself the input is its fault; sound it may be fully open.
+        let widest = |spec: InputSpec| if spec.name == "fault" { spec.default } else { spec.max };
+        let most = segment.element.input_spec(0).map_or(1.0, widest);
         let inlet_pa = high_pa as f32;
         let outlet_pa = (high_pa - drop_pa.abs()) as f32;
         let temperature_k = temperature_k as f32;

@@ -9,8 +9,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::channel;
 use crate::document::{
-    Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind,
-    Regulator, Run, SCHEMA, ScheduleEntry,
+    Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
+    NodeEntryKind, Passage, Regulator, Run, SCHEMA, ScheduleEntry,
 };
 use crate::limits;
 use crate::notes::Notes;
@@ -196,7 +196,7 @@ fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
 /// Ducts and machines; `None` for the kinds of [`read_opening`].
 fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> {
     Some(match kind {
-        "pipe" => ElementKind::Pipe { loss: read_loss(element) },
+        "pipe" => ElementKind::Pipe { loss: read_loss(element), blockage: read_blockage(element) },
         "reference_pipe" => ElementKind::ReferencePipe {
             pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::REFERENCE_DROP),
             mass_flow_kg_s: element.need_number("mass_flow_kg_s", &limits::REFERENCE_FLOW),
@@ -221,13 +221,19 @@ fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> 
             largest_flow_kg_s: element.need_number("largest_flow_kg_s", &limits::MEASURED_FLOW),
             slope_kg_s_pa: element.need_number("slope_kg_s_pa", &limits::MEASURED_SLOPE),
         },
-        "condenser" => ElementKind::Condenser { loss: read_loss(element), coil: air::read_coil(element) },
-        "coolant_side" => {
-            ElementKind::CoolantSide { loss: read_loss(element), condenser: element.need_text("condenser") }
-        }
+        "condenser" => ElementKind::Condenser {
+            loss: read_loss(element),
+            blockage: read_blockage(element),
+            coil: air::read_coil(element),
+        },
+        "coolant_side" => ElementKind::CoolantSide {
+            loss: read_loss(element),
+            blockage: read_blockage(element),
+            condenser: element.need_text("condenser"),
+        },
         "heater" => {
-            let loss = read_loss(element);
-            ElementKind::Heater { loss, starts: air::starts(element, &[parts::HEATER_INPUT]) }
+            let (loss, blockage) = (read_loss(element), read_blockage(element));
+            ElementKind::Heater { loss, blockage, starts: air::starts(element, &[parts::HEATER_INPUT]) }
         }
         "bed" => ElementKind::Bed {
             loss: read_loss(element),
@@ -243,11 +249,13 @@ fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
     match kind {
         "orifice" => ElementKind::Orifice {
             discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
+            opening: element.number("opening", &limits::FRACTION),
         },
         "leak" => ElementKind::Leak {
             leak_kg_d: element.need_number("leak_kg_d", &limits::LEAK),
             pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::SOME_PRESSURE),
             inlet_pressure_pa: element.number("inlet_pressure_pa", &limits::SOME_PRESSURE),
+            opening: element.number("opening", &limits::FRACTION),
         },
         "check_valve" => ElementKind::CheckValve {
             loss: read_loss(element),
@@ -257,7 +265,12 @@ fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
         "relief_valve" => ElementKind::ReliefValve {
             crack_pa: element.need_number("crack_pa", &limits::SOME_PRESSURE),
             reseat_pa: element.need_number("reseat_pa", &limits::PRESSURE),
-            loss: read_loss(element),
+            passage: if element.has("discharge_coefficient") {
+                let discharge_coefficient = element.need_number("discharge_coefficient", &limits::DISCHARGE);
+                Passage::Discharge { discharge_coefficient }
+            } else {
+                Passage::Loss(read_loss(element))
+            },
             leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
         },
         "pressure_regulator" => ElementKind::PressureRegulator(Regulator {
@@ -273,6 +286,16 @@ fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
             opening: element.number("opening", &limits::FRACTION),
         },
     }
+}
+
+/// Whether the element can be blocked, and how far it is.
+fn read_blockage(element: &mut Table<'_, '_>) -> Blockage {
+    let blockable = element.flag("blockable");
+    let opening = element.number("opening", &limits::FRACTION);
+    if opening.is_some() && blockable != Some(true) {
+        element.refuse("opening", "an `opening` is for an element with `blockable = true`");
+    }
+    Blockage { blockable, opening }
 }
 
 fn read_loss(element: &mut Table<'_, '_>) -> Loss {

@@ -126,6 +126,16 @@ impl<'n, 't> Table<'n, 't> {
         number(self.notes, key, value, range)
     }
 
+    /// True or false, if it is there.
+    pub(crate) fn flag(&mut self, key: &'static str) -> Option<bool> {
+        let value = self.value(key)?;
+        if let DeValue::Boolean(value) = value.get_ref() {
+            return Some(*value);
+        }
+        self.notes.refuse(value.span(), format!("`{key}` is true or false"));
+        None
+    }
+
     /// Number of a key that must be there.
     pub(crate) fn need_number(&mut self, key: &'static str, range: &Range) -> f64 {
         if !self.has(key) {

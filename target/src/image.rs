@@ -12,7 +12,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout; readers refuse any other.
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 /// Capacity of [`Image`]: nodes, lines, and entries of the elimination.
 pub const NODES: usize = 64;
 /// Segments, inputs and points of schedules.

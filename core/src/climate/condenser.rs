@@ -131,6 +131,8 @@ pub struct Coil<'s> {
     pub condenser: &'s Condenser,
     /// Air as the network has it.
     pub air: &'s Medium,
+    /// Share of the conductances that fouling has left [1].
+    pub clean: f32,
     /// Reference temperature `T_r` [K].
     pub reference_k: f32,
     /// Temperature of the walls at the start over the reference [K].
@@ -171,7 +173,8 @@ impl Coil<'_> {
         let mut vapour = stream.vapour_kg();
         let capacity = stream.capacity_j_k(self.air) - heats[LIQUID] * droplets;
         let dry_capacity = capacity - vapour_heat * vapour;
-        let conductance = data.air_w_k * math::pow(flow * (1.0 / data.air_reference_kg_s), data.air_exponent);
+        let conductance =
+            self.clean * data.air_w_k * math::pow(flow * (1.0 / data.air_reference_kg_s), data.air_exponent);
         let contact = Condenser::contact(conductance * step_s, capacity);
         let bypass = 1.0 - contact;
         let full = CELLS as f32 / data.film_kg;
@@ -210,8 +213,9 @@ impl Coil<'_> {
             return;
         }
         let data = self.condenser;
-        let conductance =
-            data.coolant_w_k * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
+        let conductance = self.clean
+            * data.coolant_w_k
+            * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
         let [heat, ..] = coolant.flowing_j_kg_k;
         let capacity = heat * mass;
         let remaining = 1.0 - Condenser::contact(conductance * step_s, capacity);

@@ -31,17 +31,20 @@ pub struct Exchanger {
     pub discharge_s: f32,
     /// Water that leaves at once [kg]; finite and > 0.
     pub slug_kg: f32,
-    /// Slot of `separator_efficiency`; `coolant_flow` and `coolant_temperature` follow.
+    /// Slot of the first of [`Exchanger::INPUTS`].
     pub first_input: u32,
 }
 
 impl Exchanger {
     /// Inputs: share of the drained water that the separator keeps; flow [kg/s] and temperature [K] of coolant that
-    /// comes from outside the network.
-    pub const INPUTS: [InputSpec; 3] = [
+    /// comes from outside the network; share of both sides' conductances that fouling takes; whether the separator is
+    /// discharged.
+    pub const INPUTS: [InputSpec; 5] = [
         InputSpec { name: "separator_efficiency", unit: "1", min: 0.0, max: 1.0, default: 1.0 },
         InputSpec { name: "coolant_flow", unit: "kg/s", min: 0.0, max: 0.25, default: 0.0 },
         InputSpec { name: "coolant_temperature", unit: "K", min: 273.15, max: 333.15, default: 277.5 },
+        InputSpec { name: "fouling", unit: "1", min: 0.0, max: 1.0, default: 0.0 },
+        InputSpec { name: "discharge", unit: "1", min: 0.0, max: 1.0, default: 1.0 },
     ];
 
     /// Finds the first parameter outside its valid range, for a step of `step_s` [s].
@@ -70,12 +73,14 @@ pub(super) const STORES: usize = 12;
 /// behind it over the reference [K]; heat that the coolant took [J].
 pub(super) const SHOWN: usize = 4;
 
-/// Moves what the coil drained into separator and slug, and discharges. Returns what leaves for the volume behind.
+/// Moves what the coil drained into separator and slug, and discharges when it is time and `discharges`; otherwise that
+/// discharge is missed. Returns what leaves for the volume behind.
 pub(super) fn separate(
     exchanger: &Exchanger,
     stores: &mut [f32; STORES],
     drained: Drained,
     efficiency: f32,
+    discharges: bool,
     step_s: f32,
 ) -> Drained {
     let [separator, s, tank, t, slug, l, kept_j, k, slug_j, j, time, c] = stores;
@@ -91,7 +96,7 @@ pub(super) fn separate(
     math::compensated_add(time, c, step_s);
     if *time >= exchanger.discharge_s {
         math::compensated_add(time, c, -exchanger.discharge_s);
-        let discharged = *separator;
+        let discharged = if discharges { *separator } else { 0.0 };
         math::compensated_add(separator, s, -discharged);
         math::compensated_add(tank, t, discharged);
     }
@@ -167,7 +172,7 @@ mod tests {
         let (mut stores, mut released, mut slugs) = ([0.0; STORES], 0.0, 0);
         for _ in 0..10 * seconds {
             let drained = Drained { water_kg: 1e-3, energy_j: -2e3 };
-            let out = separate(&EXCHANGER, &mut stores, drained, efficiency, 0.1);
+            let out = separate(&EXCHANGER, &mut stores, drained, efficiency, true, 0.1);
             assert!(
                 out.water_kg.abs() < f32::MIN_POSITIVE || (out.energy_j / out.water_kg + 2e6).abs() < 10.0
             );

@@ -23,6 +23,7 @@ fn row(stream: &Stream, sign: f32) -> Stored {
 /// One coil of the network while it is stepped.
 fn coil<'c>(
     climate: &'c Climate<'_>,
+    inputs: &[f32],
     index: usize,
     walls: &'c mut [WallState],
     figures: &'c mut [WallFigures],
@@ -32,6 +33,7 @@ fn coil<'c>(
     Some(Coil {
         condenser: &exchanger.condenser,
         air: &climate.air,
+        clean: 1.0 - input(inputs, exchanger.first_input + 3),
         reference_k: climate.reference_k,
         start_theta_k: exchanger.start_k - climate.reference_k,
         walls: walls.get_mut(range.clone())?,
@@ -40,9 +42,14 @@ fn coil<'c>(
 }
 
 /// Derives the temperatures of all walls.
-pub(super) fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
+pub(super) fn begin_coils(
+    climate: &Climate<'_>,
+    at: Stepped<'_>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
     for index in 0..climate.exchangers.len() {
-        if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+        if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
             coil.begin();
         }
     }
@@ -210,7 +217,7 @@ fn pass(
         Passage::Condenser(of) => {
             let index = of as usize;
             let before = *stream;
-            if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
                 coil.pass_air(stream, at.step_s, pressure, reversed);
             }
             if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
@@ -224,7 +231,7 @@ fn pass(
         Passage::CoolantSide(of) => {
             let index = of as usize;
             let before = stream.energy_j;
-            if let Some(mut coil) = coil(climate, index, state.coils, work.coils) {
+            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
                 coil.pass_coolant(stream, at.step_s, &climate.coolant);
             }
             if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
@@ -243,7 +250,7 @@ pub(super) fn settle_coils(
 ) {
     for (index, exchanger) in climate.exchangers.iter().enumerate() {
         let slot = exchanger.first_input;
-        let Some(mut coil) = coil(climate, index, state.coils, work.coils) else { continue };
+        let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) else { continue };
         if exchanger.own_coolant {
             let mass = input(at.inputs, slot + 1) * at.step_s;
             let theta = input(at.inputs, slot + 2) - climate.reference_k;
@@ -257,7 +264,9 @@ pub(super) fn settle_coils(
         }
         let drained = coil.settle();
         let Some(stores) = state.stores.get_mut(index) else { continue };
-        let lost = exchanger::separate(exchanger, stores, drained, input(at.inputs, slot), at.step_s);
+        let discharges = input(at.inputs, slot + 4) >= 0.5;
+        let efficiency = input(at.inputs, slot);
+        let lost = exchanger::separate(exchanger, stores, drained, efficiency, discharges, at.step_s);
         work.books.add(exchanger.outlet_node as usize, [LIQUID, ENERGY], [lost.water_kg, lost.energy_j]);
     }
 }

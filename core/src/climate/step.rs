@@ -184,7 +184,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
 ) -> Option<Place> {
     let climate = &network.climate;
     let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
-    begin_coils(climate, &mut state, &mut work);
+    begin_coils(climate, at, &mut state, &mut work);
     move_lines::<E, UNROLL>(network, at, &mut state, &mut work);
     settle_coils(climate, at, &mut state, &mut work);
     supply_volumes::<E, UNROLL>(network, at, &mut state, &mut work);

@@ -5,8 +5,9 @@
 //! Source: the forward loss is that of a pipe; the leak of a seat is flow through a gap so narrow that it is
 //! laminar, linear in pressure [assumed], and given by one measurement. The disc has no mass and no spring.
 
-use super::{Element, InputSpec, Law, Operating, ParameterError};
+use super::{Element, FAULT, InputSpec, Law, Operating, ParameterError, fault};
 use crate::Fingerprint;
+use crate::control::ActuatorFault;
 
 /// Fixed data of one check valve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +20,19 @@ pub struct CheckValve {
     pub reverse_pa_s_kg: f32,
 }
 
+impl CheckValve {
+    fn open(self, at: &Operating<'_>) -> Law {
+        Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
+    }
+
+    fn seated(self) -> Law {
+        Law { resistance: 0.0, linear: self.reverse_pa_s_kg, head: 0.0 }
+    }
+}
+
 impl Element for CheckValve {
-    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
-        None
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        (index == 0).then_some(FAULT)
     }
 
     #[inline]
@@ -35,11 +46,11 @@ impl Element for CheckValve {
 
     #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
-        Law::quadratic(self.resistance_pa_s2_kg2 / at.density_ratio)
+        if fault(at.inputs) == ActuatorFault::Closed { self.seated() } else { self.open(at) }
     }
 
-    fn reverse_law(&self, _at: &Operating<'_>) -> Law {
-        Law { resistance: 0.0, linear: self.reverse_pa_s_kg, head: 0.0 }
+    fn reverse_law(&self, at: &Operating<'_>) -> Law {
+        if fault(at.inputs) == ActuatorFault::Open { self.open(at) } else { self.seated() }
     }
 
     fn check(&self) -> Result<(), ParameterError> {

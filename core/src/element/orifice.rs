@@ -3,12 +3,15 @@
 //! Law and source in [`super::isentropic`]: R = y/w² at the pressures of the step's start.
 
 use super::{Element, InputSpec, Law, Operating, ParameterError, Reason, isentropic};
-use crate::Fingerprint;
+use crate::{Fingerprint, math};
 
 /// Smallest effective area [m²]: below, squares leave single precision.
 pub(super) const SMALLEST_AREA_M2: f32 = 1e-12;
 
-/// Fixed data of one orifice.
+/// Part of the area that remains of a closed one: a line needs a law.
+const LEAST_OPENING: f32 = 1e-3;
+
+/// Fixed data of one orifice. Input: share of its area that is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -28,8 +31,9 @@ pub(super) fn check_area(area_m2: f32) -> Result<(), ParameterError> {
 }
 
 impl Element for Orifice {
-    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
-        None
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        let opening = InputSpec { name: "opening", unit: "1", min: 0.0, max: 1.0, default: 1.0 };
+        (index == 0).then_some(opening)
     }
 
     #[inline]
@@ -51,8 +55,9 @@ impl Element for Orifice {
 
     #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
+        let opening = math::larger(at.inputs.first().copied().unwrap_or(1.0), LEAST_OPENING);
         Law::quadratic(isentropic::resistance_pa_s2_kg2(
-            self.effective_area_m2,
+            self.effective_area_m2 * opening,
             at.inlet_pa,
             at.outlet_pa,
             at.temperature_k,

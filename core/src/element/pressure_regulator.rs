@@ -12,7 +12,8 @@
 //! The loop that it closes through its plenum needs one: with c = Rg·T/V and W the full flow, its angular frequency
 //! is √(c·W/(τ·band)), and steps beyond about 1/that cannot follow it.
 
-use super::{Element, InputSpec, Law, Operating, ParameterError, isentropic, orifice};
+use super::{Element, FAULT, InputSpec, Law, Operating, ParameterError, fault, isentropic, orifice};
+use crate::control::ActuatorFault;
 use crate::{Fingerprint, math};
 
 /// Fixed data of one regulator. Memory: the opening x [1].
@@ -33,8 +34,8 @@ pub struct PressureRegulator {
 }
 
 impl Element for PressureRegulator {
-    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
-        None
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        (index == 0).then_some(FAULT)
     }
 
     #[inline]
@@ -63,6 +64,12 @@ impl Element for PressureRegulator {
         let wanted = (self.set_point_pa - at.outlet_pa) / self.band_pa;
         let wanted = math::larger(wanted, 0.0);
         let wanted = if wanted > 1.0 { 1.0 } else { wanted };
+        let wanted = match fault(at.inputs) {
+            ActuatorFault::None => wanted,
+            ActuatorFault::Stuck => *opening,
+            ActuatorFault::Open => 1.0,
+            ActuatorFault::Closed => 0.0,
+        };
         // h/(h + τ), also for a step without end.
         *opening += (wanted - *opening) / (1.0 + self.lag_s / step_s);
     }

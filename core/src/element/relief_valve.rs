@@ -1,12 +1,14 @@
 //! Relief valve: opens at its crack pressure and closes again at its lower reseat pressure.
 //!
-//! Open `p_in − p_out = R·w·|w|`; closed, and for reverse flow, the same with R/C², C the opening that leaks.
+//! Open `p_in − p_out = R·w·|w|`, or isentropic flow through an effective area, choked to a vacuum
+//! ([`super::isentropic`]); closed, and for reverse flow, the same with R/C² or C times the area, C the opening that leaks.
 //! It looks at the pressures at its own ends once a step and stands as it is within one.
 //!
 //! Source: the two pressures of any relief valve's data sheet; a pop action without travel time [assumed].
 
-use super::{Element, InputSpec, Law, Operating, ParameterError, Reason};
+use super::{Element, FAULT, InputSpec, Law, Operating, ParameterError, Reason, fault, isentropic, orifice};
 use crate::Fingerprint;
+use crate::control::ActuatorFault;
 
 /// Fixed data of one relief valve. Memory: 0 closed, 1 open.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,21 +19,32 @@ pub struct ReliefValve {
     pub crack_pa: f32,
     /// Pressure difference at and below which it closes [Pa]; ≥ 0 and below the crack pressure.
     pub reseat_pa: f32,
-    /// Resistance R when open [Pa·s²/kg²] at the line's reference density; finite and > 0.
+    /// Resistance R when open [Pa·s²/kg²] at the line's reference density; finite and > 0, and 0 for one of an area.
     pub resistance_pa_s2_kg2: f32,
+    /// Effective area `C_d·A` when open [m²], 1e-12 … 1e4, of one with isentropic flow; 0 for one of a resistance.
+    pub effective_area_m2: f32,
     /// Opening that remains when closed, C [1]; 1e-4 … 1.
     pub leakage_opening: f32,
 }
 
 impl ReliefValve {
-    fn closed(&self) -> f32 {
-        self.resistance_pa_s2_kg2 / (self.leakage_opening * self.leakage_opening)
+    fn is_isentropic(&self) -> bool {
+        self.effective_area_m2 > 0.0
+    }
+
+    fn law_at(&self, at: &Operating<'_>, opening: f32) -> Law {
+        Law::quadratic(if self.is_isentropic() {
+            let area = self.effective_area_m2 * opening;
+            isentropic::resistance_pa_s2_kg2(area, at.inlet_pa, at.outlet_pa, at.temperature_k)
+        } else {
+            self.resistance_pa_s2_kg2 / (opening * opening) / at.density_ratio
+        })
     }
 }
 
 impl Element for ReliefValve {
-    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
-        None
+    fn input_spec(&self, index: usize) -> Option<InputSpec> {
+        (index == 0).then_some(FAULT)
     }
 
     #[inline]
@@ -50,21 +63,31 @@ impl Element for ReliefValve {
     fn advance(&self, at: &Operating<'_>, _step_s: f32, memory: &mut [f32]) {
         let Some(open) = memory.first_mut() else { return };
         let difference = at.inlet_pa - at.outlet_pa;
-        if difference >= self.crack_pa {
-            *open = 1.0;
-        } else if difference <= self.reseat_pa {
-            *open = 0.0;
-        }
+        *open = match fault(at.inputs) {
+            ActuatorFault::Open => 1.0,
+            ActuatorFault::Closed => 0.0,
+            ActuatorFault::None if difference >= self.crack_pa => 1.0,
+            ActuatorFault::None if difference <= self.reseat_pa => 0.0,
+            ActuatorFault::None | ActuatorFault::Stuck => return,
+        };
     }
 
     fn law(&self, at: &Operating<'_>) -> Law {
         let open = at.memory.first().is_some_and(|open| *open > 0.5);
-        let resistance = if open { self.resistance_pa_s2_kg2 } else { self.closed() };
-        Law::quadratic(resistance / at.density_ratio)
+        self.law_at(at, if open { 1.0 } else { self.leakage_opening })
     }
 
     fn reverse_law(&self, at: &Operating<'_>) -> Law {
-        Law::quadratic(self.closed() / at.density_ratio)
+        let open = fault(at.inputs) == ActuatorFault::Open;
+        self.law_at(at, if open { 1.0 } else { self.leakage_opening })
+    }
+
+    fn needs_both_ends(&self) -> bool {
+        self.is_isentropic()
+    }
+
+    fn chord_over_secant(&self) -> f32 {
+        if self.is_isentropic() { isentropic::CHORD_OVER_SECANT } else { 1.207_107 }
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -73,14 +96,21 @@ impl Element for ReliefValve {
         if self.reseat_pa >= self.crack_pa {
             return Err(ParameterError { parameter: "reseat_pa", reason: Reason::OutsideValidity });
         }
+        if self.is_isentropic() {
+            orifice::check_area(self.effective_area_m2)?;
+            super::hatch::check_leakage(self.leakage_opening, 1.0)?;
+            // What leaks must have a square as well.
+            return orifice::check_area(self.effective_area_m2 * self.leakage_opening);
+        }
+        ParameterError::unless_not_negative("effective_area_m2", self.effective_area_m2)?;
         ParameterError::unless_positive("resistance_pa_s2_kg2", self.resistance_pa_s2_kg2)?;
         super::hatch::check_leakage(self.leakage_opening, self.resistance_pa_s2_kg2)
     }
 
     fn feed(&self, hash: &mut Fingerprint) {
         hash.word(10);
-        let Self { crack_pa, reseat_pa, resistance_pa_s2_kg2, leakage_opening } = *self;
-        hash.values(&[crack_pa, reseat_pa, resistance_pa_s2_kg2, leakage_opening]);
+        let Self { crack_pa, reseat_pa, resistance_pa_s2_kg2, effective_area_m2, leakage_opening } = *self;
+        hash.values(&[crack_pa, reseat_pa, resistance_pa_s2_kg2, effective_area_m2, leakage_opening]);
     }
 }
 
@@ -92,8 +122,29 @@ mod tests {
         crack_pa: 3_000.0,
         reseat_pa: 2_500.0,
         resistance_pa_s2_kg2: 1e5,
+        effective_area_m2: 0.0,
         leakage_opening: 1e-3,
     };
+
+    #[test]
+    fn one_of_an_area_is_choked_to_a_vacuum_and_a_plain_loss_is_not() {
+        let area = ReliefValve { resistance_pa_s2_kg2: 0.0, effective_area_m2: 1e-4, ..VALVE };
+        area.check().unwrap();
+        let flow = |valve: &ReliefValve, outlet_pa: f32| {
+            let at = Operating { inlet_pa: 1e5, outlet_pa, memory: &[1.0], ..Operating::plain(&[0.0], 1.0) };
+            ((1e5 - outlet_pa) / valve.law(&at).resistance).sqrt()
+        };
+        // 0.6847·A·p/√(Rg·T) below the critical ratio, whatever lies behind.
+        let choked = 0.684_7 * 1e-4 * 1e5 / (287.05f32 * 293.15).sqrt();
+        for outlet_pa in [0.0, 2e4, 5e4] {
+            assert!((flow(&area, outlet_pa) / choked - 1.0).abs() < 1e-4);
+        }
+        assert!(flow(&area, 9e4) < 0.9 * choked);
+        // A loss that lets as much through at a small difference lets twice as much out into the vacuum, √2/0.6847.
+        let resistance_pa_s2_kg2 = 100.0 / flow(&area, 99_900.0).powi(2);
+        let loss = ReliefValve { resistance_pa_s2_kg2, ..VALVE };
+        assert!((flow(&loss, 0.0) / choked - 2.065).abs() < 0.01, "{}", flow(&loss, 0.0));
+    }
 
     #[test]
     fn it_opens_at_crack_and_closes_at_reseat() {

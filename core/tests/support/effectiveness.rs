@@ -97,6 +97,7 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
     let mut coil = Coil {
         condenser,
         air: &air,
+        clean: 1.0,
         reference_k: REFERENCE_K,
         start_theta_k,
         walls: &mut walls,

@@ -13,6 +13,9 @@ pub enum ElementKind {
         /// Its loss.
         #[serde(flatten)]
         loss: Loss,
+        /// Whether and how far it can be blocked.
+        #[serde(flatten)]
+        blockage: Blockage,
     },
     /// Loss known by one measured point.
     ReferencePipe {
@@ -58,6 +61,9 @@ pub enum ElementKind {
         /// Its loss.
         #[serde(flatten)]
         loss: Loss,
+        /// Whether and how far it can be blocked.
+        #[serde(flatten)]
+        blockage: Blockage,
         /// Everything else.
         #[serde(flatten)]
         coil: CoilEntry,
@@ -67,6 +73,9 @@ pub enum ElementKind {
         /// Its loss.
         #[serde(flatten)]
         loss: Loss,
+        /// Whether and how far it can be blocked.
+        #[serde(flatten)]
+        blockage: Blockage,
         /// Id of the condenser.
         condenser: String,
     },
@@ -75,6 +84,9 @@ pub enum ElementKind {
         /// Its loss.
         #[serde(flatten)]
         loss: Loss,
+        /// Whether and how far it can be blocked.
+        #[serde(flatten)]
+        blockage: Blockage,
         /// Start value of its power.
         #[serde(flatten)]
         starts: Starts,
@@ -100,6 +112,9 @@ pub enum ElementKind {
     Orifice {
         /// Discharge coefficient on the area [1].
         discharge_coefficient: f64,
+        /// Share of the area that is open at the start [1]; 1 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        opening: Option<f64>,
     },
     /// Orifice known by one measured leak.
     Leak {
@@ -111,6 +126,9 @@ pub enum ElementKind {
         /// when absent.
         #[serde(skip_serializing_if = "Option::is_none")]
         inlet_pressure_pa: Option<f64>,
+        /// Share of the leak that is open at the start [1]; 1 when absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        opening: Option<f64>,
     },
     /// Passes forward flow only.
     CheckValve {
@@ -128,9 +146,9 @@ pub enum ElementKind {
         crack_pa: f64,
         /// Pressure difference at which it closes [Pa].
         reseat_pa: f64,
-        /// Its loss when open.
+        /// What it loses, or lets through, when open.
         #[serde(flatten)]
-        loss: Loss,
+        passage: Passage,
         /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
         #[serde(skip_serializing_if = "Option::is_none")]
         leakage_opening: Option<f64>,
@@ -149,6 +167,30 @@ pub enum ElementKind {
         #[serde(skip_serializing_if = "Option::is_none")]
         opening: Option<f64>,
     },
+}
+
+/// Whether an element of fixed loss can be blocked: it has an input `opening` then.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Blockage {
+    /// Whether it can; no when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blockable: Option<bool>,
+    /// Free share of the area at the start [1]; 1 when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opening: Option<f64>,
+}
+
+/// What an open relief valve is to its flow.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Passage {
+    /// An opening of the element's own area with isentropic, choked flow.
+    Discharge {
+        /// Discharge coefficient on the area [1].
+        discharge_coefficient: f64,
+    },
+    /// A quadratic loss.
+    Loss(Loss),
 }
 
 /// A quadratic loss, given in one of two ways.

@@ -438,7 +438,13 @@ fn a_regulator_rests_in_its_band() {
 fn a_relief_valve_rests_open_or_never() {
     let relief = |reseat_pa| {
         let leakage_opening = 1e-3;
-        ReliefValve { crack_pa: 3_000.0, reseat_pa, resistance_pa_s2_kg2: 1e7, leakage_opening }
+        ReliefValve {
+            crack_pa: 3_000.0,
+            reseat_pa,
+            resistance_pa_s2_kg2: 1e7,
+            effective_area_m2: 0.0,
+            leakage_opening,
+        }
     };
     let rest = |reseat_pa| {
         let mut tables = Tables::default();

@@ -24,7 +24,7 @@ use ::eclss_core::{
 pub const NAME: &str = "thcs";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0xf95f761475de8bd8;
+pub const NETWORK_ID: u64 = 0x721354d3b767e5d3;
 
 /// Method of the file.
 pub const METHOD: Method = Method::ImplicitEuler;
@@ -36,22 +36,22 @@ pub const STEP_US: u32 = 10000;
 pub const UNTIL_US: u64 = 86400000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 450, work: 422, inputs: 165, cursors: 4 };
+pub const EULER: Sizes = Sizes { state: 450, work: 422, inputs: 171, cursors: 4 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 450, work: 422, inputs: 165, cursors: 4 };
+pub const RELAXATION: Sizes = Sizes { state: 450, work: 422, inputs: 171, cursors: 4 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 444, inputs: 165, cursors: 4 };
+pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 444, inputs: 171, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
+pub const TR_BDF2: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 488, work: 689, inputs: 165, cursors: 4 };
+pub const BUFFERS: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
 
 /// Nodes.
 pub static NODES: [Node; 7] = [
@@ -106,7 +106,7 @@ pub static ACTIVE: [Active; 6] = [
 pub static RESPONSIVE: [Responsive; 0] = [];
 
 /// Start values of the inputs.
-pub static INPUTS: [f32; 55] = [
+pub static INPUTS: [f32; 57] = [
     1.0,
     0.5,
     0.5,
@@ -116,6 +116,8 @@ pub static INPUTS: [f32; 55] = [
     0.99,
     0.0,
     277.5,
+    0.0,
+    1.0,
     -2500.0,
     500.0,
     700.0,
@@ -166,9 +168,9 @@ pub static INPUTS: [f32; 55] = [
 
 /// Schedules.
 pub static SCHEDULES: [Schedule; 4] = [
-    Schedule { input: 33, first_point: 0, points: 3, interpolation: Interpolation::Hold },
-    Schedule { input: 35, first_point: 3, points: 10, interpolation: Interpolation::Hold },
-    Schedule { input: 18, first_point: 13, points: 3, interpolation: Interpolation::Hold },
+    Schedule { input: 35, first_point: 0, points: 3, interpolation: Interpolation::Hold },
+    Schedule { input: 37, first_point: 3, points: 10, interpolation: Interpolation::Hold },
+    Schedule { input: 20, first_point: 13, points: 3, interpolation: Interpolation::Hold },
     Schedule { input: 0, first_point: 16, points: 5, interpolation: Interpolation::Linear },
 ];
 
@@ -237,7 +239,7 @@ pub static SEGMENT_NAMES: [&str; 12] = [
 ];
 
 /// Names of the inputs.
-pub static INPUT_NAMES: [&str; 55] = [
+pub static INPUT_NAMES: [&str; 57] = [
     "fan.speed",
     "che_valve.opening",
     "bypass_valve.opening",
@@ -247,6 +249,8 @@ pub static INPUT_NAMES: [&str; 55] = [
     "che.separator_efficiency",
     "che.coolant_flow",
     "che.coolant_temperature",
+    "che.fouling",
+    "che.discharge",
     "interface.power",
     "cold_plate.power",
     "equipment.heat",
@@ -335,9 +339,9 @@ pub static STATIONS: [Station; 6] = [
     Station { segment: 1, line: 0, passage: Machine { power_w: 150.0, speed_input: 0 } },
     Station { segment: 2, line: 1, passage: Condenser(0) },
     Station { segment: 8, line: 5, passage: Machine { power_w: 60.0, speed_input: 5 } },
-    Station { segment: 9, line: 5, passage: Heater { power_input: 9 } },
+    Station { segment: 9, line: 5, passage: Heater { power_input: 11 } },
     Station { segment: 10, line: 6, passage: CoolantSide(0) },
-    Station { segment: 11, line: 7, passage: Heater { power_input: 10 } },
+    Station { segment: 11, line: 7, passage: Heater { power_input: 12 } },
 ];
 
 /// Condensers.
@@ -347,33 +351,33 @@ pub static EXCHANGERS: [Exchanger; 1] = [
 
 /// Sources.
 pub static SOURCES: [Source; 3] = [
-    Source { node: 0, first_input: 11 },
-    Source { node: 0, first_input: 18 },
-    Source { node: 0, first_input: 25 },
+    Source { node: 0, first_input: 13 },
+    Source { node: 0, first_input: 20 },
+    Source { node: 0, first_input: 27 },
 ];
 
 /// Crews.
 pub static CREWS: [Crew; 2] = [
-    Crew { node: 0, first_input: 32 },
     Crew { node: 0, first_input: 34 },
+    Crew { node: 0, first_input: 36 },
 ];
 
 /// Removers.
 pub static REMOVERS: [Remover; 1] = [
-    Remover { node: 0, part: 2, first_input: 36 },
+    Remover { node: 0, part: 2, first_input: 38 },
 ];
 
 /// Walls.
 pub static WALLS: [Wall; 1] = [
-    Wall { node: 0, capacity_j_k: 1000000.0, inner_w_k: 60.0, outer_w_k: 2.0, start_k: 295.0, first_input: 38 },
+    Wall { node: 0, capacity_j_k: 1000000.0, inner_w_k: 60.0, outer_w_k: 2.0, start_k: 295.0, first_input: 40 },
 ];
 
 /// Control loops.
 pub static LOOPS: [ControlLoop; 4] = [
-    ControlLoop { measure: Temperature(0), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 2228928019 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 39 },
-    ControlLoop { measure: Temperature(5), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1891996012 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 9, opposite: 4294967295, first_input: 43 },
-    ControlLoop { measure: Partial(0, 1), sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1645029807 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 27, opposite: 4294967295, first_input: 47 },
-    ControlLoop { measure: Pressure(0), sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 3483767528 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 26, opposite: 4294967295, first_input: 51 },
+    ControlLoop { measure: Temperature(0), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 2228928019 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 41 },
+    ControlLoop { measure: Temperature(5), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1891996012 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 11, opposite: 4294967295, first_input: 45 },
+    ControlLoop { measure: Partial(0, 1), sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1645029807 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 29, opposite: 4294967295, first_input: 49 },
+    ControlLoop { measure: Pressure(0), sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 3483767528 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 28, opposite: 4294967295, first_input: 53 },
 ];
 
 /// The description with the method and step of the file, for a step specialised at compile time.

@@ -19,7 +19,7 @@ use ::eclss_core::{
 pub const NAME: &str = "zoo";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0x45eca4860de81828;
+pub const NETWORK_ID: u64 = 0xc9fcb3e6888bd068;
 
 /// Method of the file.
 pub const METHOD: Method = Method::Adaptive;
@@ -31,22 +31,22 @@ pub const STEP_US: u32 = 500;
 pub const UNTIL_US: u64 = 90000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors: 3 };
+pub const EULER: Sizes = Sizes { state: 100, work: 158, inputs: 30, cursors: 3 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 15, cursors: 3 };
+pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 30, cursors: 3 };
 
 /// Buffers that `adaptive` needs.
-pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
+pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 30, cursors: 3 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 450, inputs: 15, cursors: 3 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 450, inputs: 30, cursors: 3 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 140, work: 450, inputs: 15, cursors: 3 };
+pub const TR_BDF2: Sizes = Sizes { state: 140, work: 450, inputs: 30, cursors: 3 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 15, cursors: 3 };
+pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 30, cursors: 3 };
 
 /// Nodes.
 pub static NODES: [Node; 4] = [
@@ -81,11 +81,11 @@ pub static SEGMENTS: [Segment; 15] = [
     Segment { element: StdElement::Pump(Pump { curve: HeadCurve { shutoff_pa: 50.0, linear_pa_s_kg: 4.0, quadratic_pa_s2_kg2: 1000000.0 } }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 3 },
     Segment { element: StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 83333330000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
     Segment { element: StdElement::Orifice(Orifice { effective_area_m2: 1.1003376e-8 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
-    Segment { element: StdElement::ReliefValve(ReliefValve { crack_pa: 105000.0, reseat_pa: 103500.0, resistance_pa_s2_kg2: 400000000.0, leakage_opening: 0.005 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
-    Segment { element: StdElement::PressureRegulator(PressureRegulator { effective_area_m2: 1.6e-5, set_point_pa: 101400.0, band_pa: 300.0, lag_s: 0.5, leakage_opening: 0.001 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
-    Segment { element: StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 30000.0, reverse_pa_s_kg: 5000000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
-    Segment { element: StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2: 451.5205, leakage_opening: 2e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 4 },
-    Segment { element: StdElement::Orifice(Orifice { effective_area_m2: 4.8694685e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 5 },
+    Segment { element: StdElement::ReliefValve(ReliefValve { crack_pa: 105000.0, reseat_pa: 103500.0, resistance_pa_s2_kg2: 400000000.0, effective_area_m2: 0.0, leakage_opening: 0.005 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 5 },
+    Segment { element: StdElement::PressureRegulator(PressureRegulator { effective_area_m2: 1.6e-5, set_point_pa: 101400.0, band_pa: 300.0, lag_s: 0.5, leakage_opening: 0.001 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 6 },
+    Segment { element: StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 30000.0, reverse_pa_s_kg: 5000000000.0 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 7 },
+    Segment { element: StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2: 451.5205, leakage_opening: 2e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 8 },
+    Segment { element: StdElement::Orifice(Orifice { effective_area_m2: 4.8694685e-5 }), inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 9 },
 ];
 
 /// Segments whose law changes.
@@ -107,19 +107,24 @@ pub static RESPONSIVE: [Responsive; 5] = [
 ];
 
 /// Start values of the inputs.
-pub static INPUTS: [f32; 5] = [
+pub static INPUTS: [f32; 10] = [
     1.0,
     1.0,
     0.25,
     0.5,
+    1.0,
     0.0,
+    0.0,
+    0.0,
+    0.0,
+    1.0,
 ];
 
 /// Schedules.
 pub static SCHEDULES: [Schedule; 3] = [
     Schedule { input: 1, first_point: 0, points: 3, interpolation: Interpolation::Hold },
     Schedule { input: 0, first_point: 3, points: 4, interpolation: Interpolation::Linear },
-    Schedule { input: 4, first_point: 7, points: 2, interpolation: Interpolation::Linear },
+    Schedule { input: 8, first_point: 7, points: 2, interpolation: Interpolation::Linear },
 ];
 
 /// Points of all schedules.
@@ -176,12 +181,17 @@ pub static SEGMENT_NAMES: [&str; 15] = [
 ];
 
 /// Names of the inputs.
-pub static INPUT_NAMES: [&str; 5] = [
+pub static INPUT_NAMES: [&str; 10] = [
     "blower.speed",
     "hatch.opening",
     "regulator.opening",
     "booster.speed",
+    "crack_in_hull.opening",
+    "relief.fault",
+    "keeper.fault",
+    "check.fault",
     "porthole.opening",
+    "bleed.opening",
 ];
 
 static PLAN_END_START: [u32; 5] = [0, 7, 13, 15, 18];

@@ -55,6 +55,7 @@ const ELEMENTS: [(&str, StdElement); 13] = [
             crack_pa: 3_000.0,
             reseat_pa: 2_500.0,
             resistance_pa_s2_kg2: 1e6,
+            effective_area_m2: 0.0,
             leakage_opening: 1e-3,
         }),
     ),
