@@ -4,10 +4,11 @@ use eclss_core::{BuildError, Health, Method, Settings, Simulator};
 use eclss_network_file::{FileError, Loaded, parse, parse_bytes};
 
 /// The files that are spoiled.
-const FILES: [&str; 3] = [
+const FILES: [&str; 4] = [
     include_str!("../../networks/paper.toml"),
     include_str!("files/zoo.toml"),
     include_str!("files/junction.toml"),
+    include_str!("files/malfunctions.toml"),
 ];
 
 /// Values that a hand or a script might leave in a file.
@@ -205,10 +206,10 @@ fn saves_back(seed: u64, loaded: &Loaded) {
 }
 
 #[test]
-fn two_thousand_spoiled_files_are_refused_with_a_reason_or_run() {
+fn three_thousand_spoiled_files_are_refused_with_a_reason_or_run() {
     let mut ran = [0; Method::ALL.len()];
     let (mut refused, mut stopped) = (0, 0);
-    for seed in 0..2_000 {
+    for seed in 0..3_000 {
         match parse_bytes(&mutated(seed), "mutated.toml") {
             Ok(loaded) => {
                 saves_back(seed, &loaded);

@@ -5,10 +5,12 @@ use eclss_network_file::parse;
 const PAPER: &str = include_str!("../../networks/paper.toml");
 const ZOO: &str = include_str!("files/zoo.toml");
 const JUNCTION: &str = include_str!("files/junction.toml");
+const THCS: &str = include_str!("../../networks/thcs.toml");
+const MALFUNCTIONS: &str = include_str!("files/malfunctions.toml");
 
 #[test]
 fn what_is_saved_is_what_was_read() {
-    for text in [PAPER, ZOO, JUNCTION] {
+    for text in [PAPER, ZOO, JUNCTION, THCS, MALFUNCTIONS] {
         let first = parse(text, "first").expect("the file is right");
         let saved = first.file.to_toml();
         let second = parse(&saved, "second").expect("what is saved is right");
