@@ -44,7 +44,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     state.fill(0.0);
     work.fill(0.0);
     let climate = &network.climate;
-    let (state, work) = (State::of(climate, state), Work::of(network, work));
+    let (state, mut work) = (State::of(climate, state), Work::of(network, work));
     let rows = work.fractions.iter_mut().zip(work.figures.iter_mut()).zip(work.start.iter_mut());
     for (index, ((fractions, figures), start)) in rows.enumerate() {
         if let Some(constants) = constants(network, index) {
