@@ -288,9 +288,7 @@ fn disagreements(counted: &[Figure], traces: &[(Method, Vec<Step>)]) -> Vec<Stri
     let mut found = Vec::new();
     for (method, steps) in traces {
         let figure = find(counted, "paper", method.name());
-        // The traced network is another one to the compiler: the times of its schedule are other constants.
-        let slack = CALLING + figure.min / 50;
-        let range = figure.min.saturating_sub(slack)..=figure.max + slack;
+        let range = figure.min.saturating_sub(CALLING)..=figure.max + CALLING;
         let counts = steps.iter().take(OPEN).map(Step::instructions);
         found.extend(counts.filter(|count| !range.contains(count)).map(|count| {
             let (name, min, max) = (method.name(), figure.min, figure.max);
