@@ -54,11 +54,16 @@ pub(crate) fn update<E: Element, const UNROLL: bool, const MOVED: bool>(
             set_laminar(line, work);
         }
     });
-    let turning = !UNROLL || network.lines.iter().any(|line| is_turned(network, line));
-    if turning && work.turning.first().is_some_and(|turning| *turning > 0.0) {
-        for line in network.lines.iter().filter(|line| is_turned(network, line)) {
-            turn_laminar(network, line, present::<MOVED>(flow_place(network, line), flow, work) > 0.0, work);
-        }
+    if work.turning.first().is_some_and(|turning| *turning > 0.0) {
+        turn_laminars::<E, MOVED>(network, flow, work);
+    }
+}
+
+/// Laminar flows of all lines that follow the direction of their flow; a function of its own, which few networks call.
+#[inline(never)]
+fn turn_laminars<E: Element, const MOVED: bool>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+    for line in network.lines.iter().filter(|line| is_turned(network, line)) {
+        turn_laminar(network, line, present::<MOVED>(flow_place(network, line), flow, work) > 0.0, work);
     }
 }
 
