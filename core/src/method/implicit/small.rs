@@ -32,11 +32,8 @@ pub(super) fn solve(plan: &Plan<'_>, work: &mut Work<'_>) {
         let gathered =
             gather::<false, true>(terms, start, work.ports, work.swept, (&mut dense, first as u32));
         let Row { mut held, mut known, .. } = gathered;
-        for ((earlier, theirs), [share, increment]) in shares.iter().enumerate().zip(&swept) {
-            if earlier >= place {
-                break;
-            }
-            let exchange = dense[earlier];
+        for (earlier, (theirs, [share, increment])) in shares.iter().zip(&swept).enumerate().take(place) {
+            let exchange = dense.get(earlier).copied().unwrap_or(0.0);
             held += exchange * share;
             known += exchange * increment;
             dense = math::each(&dense, theirs, |own, share| own + exchange * share);
