@@ -43,6 +43,8 @@ pub(super) struct State<'s> {
 }
 
 impl<'s> State<'s> {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
     pub(super) fn of(climate: &Climate<'_>, buffer: &'s mut [f32]) -> Self {
         let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());
         let cut = &mut Cut(buffer);
@@ -77,6 +79,8 @@ pub(super) struct Work<'w> {
 }
 
 impl<'w> Work<'w> {
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
     pub(super) fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
         let climate = &network.climate;
         let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());

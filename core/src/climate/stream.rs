@@ -20,7 +20,8 @@ pub struct Stream {
 impl Stream {
     /// What `mass_kg` [kg, ≥ 0] of a volume with these mass fractions [1] and this temperature over the reference
     /// [K] carries. Liquid does not flow with the air.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn of(mass_kg: f32, fractions: &Parts, theta_k: f32, medium: &Medium) -> Self {
         let mut parts = [0.0; PARTS];
         for (part, fraction) in parts.iter_mut().zip(fractions) {
@@ -31,7 +32,8 @@ impl Stream {
     }
 
     /// What `mass_kg` [kg, ≥ 0] of coolant at this temperature over the reference [K] carries.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn of_coolant(mass_kg: f32, theta_k: f32, coolant: &Medium) -> Self {
         let [heat, ..] = coolant.flowing_j_kg_k;
         let mut parts = [0.0; PARTS];
@@ -40,13 +42,15 @@ impl Stream {
     }
 
     /// Heat capacity of what passes [J/K].
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn capacity_j_k(&self, medium: &Medium) -> f32 {
         dot(&self.mass_kg, &medium.flowing_j_kg_k)
     }
 
     /// Temperature over the reference [K]; 0 where nothing passes.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn theta_k(&self, medium: &Medium) -> f32 {
         let capacity = self.capacity_j_k(medium);
         let sensible = self.energy_j + self.mass_kg[LIQUID] * medium.latent_j_kg;
@@ -54,14 +58,16 @@ impl Stream {
     }
 
     /// Mass of dry gas [kg].
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn dry_kg(&self) -> f32 {
         let [nitrogen, oxygen, carbon_dioxide, _, trace, _] = self.mass_kg;
         nitrogen + oxygen + carbon_dioxide + trace
     }
 
     /// Mass of vapour that would be as many moles as the dry gas [kg]: Σ m·R over the vapour's R.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn vapour_of_equal_moles_kg(&self) -> f32 {
         let [nitrogen, oxygen, carbon_dioxide, _, trace, _] = self.mass_kg;
         let [a, b, c, d] = RATIOS;
@@ -69,7 +75,8 @@ impl Stream {
     }
 
     /// Mass of vapour [kg].
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of the loop over lines")]
     pub fn vapour_kg(&self) -> f32 {
         self.mass_kg[VAPOUR]
     }
