@@ -31,22 +31,22 @@ pub const STEP_US: u32 = 1000;
 pub const UNTIL_US: u64 = 26000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
+pub const EULER: Sizes = Sizes { state: 22, work: 32, inputs: 6, cursors: 1 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
+pub const RELAXATION: Sizes = Sizes { state: 22, work: 32, inputs: 6, cursors: 1 };
 
 /// Buffers that `adaptive` needs.
 pub const ADAPTIVE: Sizes = Sizes { state: 9, work: 25, inputs: 6, cursors: 1 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 178, inputs: 6, cursors: 1 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 36, work: 179, inputs: 6, cursors: 1 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 36, work: 178, inputs: 6, cursors: 1 };
+pub const TR_BDF2: Sizes = Sizes { state: 36, work: 179, inputs: 6, cursors: 1 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 22, work: 36, inputs: 6, cursors: 1 };
+pub const BUFFERS: Sizes = Sizes { state: 22, work: 32, inputs: 6, cursors: 1 };
 
 /// Nodes.
 pub static NODES: [Node; 1] = [

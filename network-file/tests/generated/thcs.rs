@@ -36,22 +36,22 @@ pub const STEP_US: u32 = 10000;
 pub const UNTIL_US: u64 = 86400000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 450, work: 422, inputs: 171, cursors: 4 };
+pub const EULER: Sizes = Sizes { state: 450, work: 390, inputs: 171, cursors: 4 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 450, work: 422, inputs: 171, cursors: 4 };
+pub const RELAXATION: Sizes = Sizes { state: 450, work: 390, inputs: 171, cursors: 4 };
 
 /// Buffers that `adaptive` needs.
 pub const ADAPTIVE: Sizes = Sizes { state: 414, work: 444, inputs: 171, cursors: 4 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 488, work: 690, inputs: 171, cursors: 4 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
+pub const TR_BDF2: Sizes = Sizes { state: 488, work: 690, inputs: 171, cursors: 4 };
 
 /// Buffers that the method of the file needs.
-pub const BUFFERS: Sizes = Sizes { state: 488, work: 689, inputs: 171, cursors: 4 };
+pub const BUFFERS: Sizes = Sizes { state: 488, work: 690, inputs: 171, cursors: 4 };
 
 /// Nodes.
 pub static NODES: [Node; 7] = [

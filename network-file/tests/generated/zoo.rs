@@ -31,19 +31,19 @@ pub const STEP_US: u32 = 500;
 pub const UNTIL_US: u64 = 90000000;
 
 /// Buffers that `euler` needs.
-pub const EULER: Sizes = Sizes { state: 100, work: 158, inputs: 30, cursors: 3 };
+pub const EULER: Sizes = Sizes { state: 100, work: 122, inputs: 30, cursors: 3 };
 
 /// Buffers that `relaxation` needs.
-pub const RELAXATION: Sizes = Sizes { state: 100, work: 158, inputs: 30, cursors: 3 };
+pub const RELAXATION: Sizes = Sizes { state: 100, work: 122, inputs: 30, cursors: 3 };
 
 /// Buffers that `adaptive` needs.
 pub const ADAPTIVE: Sizes = Sizes { state: 61, work: 171, inputs: 30, cursors: 3 };
 
 /// Buffers that `implicit-euler` needs.
-pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 450, inputs: 30, cursors: 3 };
+pub const IMPLICIT_EULER: Sizes = Sizes { state: 140, work: 451, inputs: 30, cursors: 3 };
 
 /// Buffers that `tr-bdf2` needs.
-pub const TR_BDF2: Sizes = Sizes { state: 140, work: 450, inputs: 30, cursors: 3 };
+pub const TR_BDF2: Sizes = Sizes { state: 140, work: 451, inputs: 30, cursors: 3 };
 
 /// Buffers that the method of the file needs.
 pub const BUFFERS: Sizes = Sizes { state: 61, work: 171, inputs: 30, cursors: 3 };
