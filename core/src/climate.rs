@@ -158,7 +158,10 @@ impl Climate<'_> {
         };
         let heater = |station: &Station| match station.passage {
             Passage::Heater { power_input } => of(power_input, &[parts::HEATER_INPUT]),
-            Passage::Machine { .. } | Passage::Condenser(_) | Passage::CoolantSide(_) => None,
+            Passage::Machine { .. }
+            | Passage::Condenser(_)
+            | Passage::CoolantSide(_)
+            | Passage::LiquidSide(_) => None,
         };
         let mut found = self.stations.iter().find_map(heater);
         found = found
@@ -228,7 +231,9 @@ impl Climate<'_> {
                 let air = self.holds(line.from, Contents::Air);
                 let medium = match station.passage {
                     Passage::Condenser(of) => air && (of as usize) < self.exchangers.len(),
-                    Passage::CoolantSide(of) => !air && (of as usize) < self.exchangers.len(),
+                    Passage::CoolantSide(of) | Passage::LiquidSide(of) => {
+                        !air && (of as usize) < self.exchangers.len()
+                    }
                     Passage::Machine { .. } | Passage::Heater { .. } => true,
                 };
                 medium && (line.first_segment..line.first_segment + line.segments).contains(&station.segment)
@@ -246,7 +251,7 @@ impl Climate<'_> {
                 Passage::Heater { power_input } => {
                     check_inputs(network, power_input, &[parts::HEATER_INPUT])?;
                 }
-                Passage::Condenser(_) | Passage::CoolantSide(_) => {}
+                Passage::Condenser(_) | Passage::CoolantSide(_) | Passage::LiquidSide(_) => {}
             }
             last = station.segment;
         }
@@ -257,9 +262,13 @@ impl Climate<'_> {
         for (index, exchanger) in (0u32..).zip(self.exchangers) {
             exchanger.check(step_s).map_err(|error| ClimateError::Exchanger(index, error))?;
             let count = |passage| self.stations.iter().filter(|station| station.passage == passage).count();
-            let sides = (count(Passage::Condenser(index)), count(Passage::CoolantSide(index)));
-            let wanted = (1, usize::from(!exchanger.own_coolant));
-            if sides != wanted || !self.holds(exchanger.outlet_node, Contents::Air) {
+            // Air or liquid on the one side, coolant on the other; behind it what it carries.
+            let liquid = count(Passage::LiquidSide(index));
+            let first = (count(Passage::Condenser(index)), liquid);
+            let behind = if liquid > 0 { Contents::Coolant } else { Contents::Air };
+            let fits = matches!(first, (1, 0) | (0, 1))
+                && count(Passage::CoolantSide(index)) == usize::from(!exchanger.own_coolant);
+            if !(fits && self.holds(exchanger.outlet_node, behind)) {
                 return Err(ClimateError::ExchangerSides(index));
             }
             check_inputs(network, exchanger.first_input, &Exchanger::INPUTS)?;

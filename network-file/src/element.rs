@@ -45,6 +45,7 @@ impl Conversion<'_> {
             ElementKind::Pipe { loss, blockage }
             | ElementKind::Condenser { loss, blockage, .. }
             | ElementKind::CoolantSide { loss, blockage, .. }
+            | ElementKind::InterfaceExchanger { loss, blockage, .. }
             | ElementKind::Heater { loss, blockage, .. } => {
                 let resistance = self.resistance(loss);
                 if blockage.blockable == Some(true) {

@@ -38,6 +38,7 @@ pub(crate) fn slots_of(element: &StdElement, entry: &ElementEntry, path: &str, s
         ElementKind::Pipe { blockage, .. }
         | ElementKind::Condenser { blockage, .. }
         | ElementKind::CoolantSide { blockage, .. }
+        | ElementKind::InterfaceExchanger { blockage, .. }
         | ElementKind::Heater { blockage, .. } => blockage.opening,
         ElementKind::Fan(machine) | ElementKind::Pump(machine) => machine.speed,
         _ => None,

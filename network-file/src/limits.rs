@@ -183,6 +183,8 @@ pub const REFERENCE_K: f64 = 295.15;
 pub const MIXING_LIMIT_S: f64 = 1_800.0;
 /// Largest hydraulic power of a fan or pump over its electric power when the file does not say [1] (assumed).
 pub const MACHINE_EFFICIENCY: f64 = 0.5;
+/// Exponent of the flow in the conductance of liquids: laminar through offset strip fins, as in the condenser.
+pub const LIQUID_EXPONENT: f64 = 0.46;
 /// Evaporation of free water when the file does not say [kg/(s·Pa)] (assumed: about 1 m² of wet surface).
 pub const SURFACE_KG_S_PA: f64 = 2e-8;
 

@@ -19,7 +19,7 @@ use crate::table::Table;
 
 /// Kinds of node and of element, as written.
 const NODE_KINDS: [&str; 5] = ["cabin", "liquid", "accumulator", "junction", "boundary"];
-const ELEMENT_KINDS: [&str; 17] = [
+const ELEMENT_KINDS: [&str; 18] = [
     "pipe",
     "reference_pipe",
     "valve",
@@ -29,6 +29,7 @@ const ELEMENT_KINDS: [&str; 17] = [
     "bed",
     "condenser",
     "coolant_side",
+    "interface_exchanger",
     "heater",
     "measured",
     "orifice",
@@ -230,6 +231,11 @@ fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> 
             loss: read_loss(element),
             blockage: read_blockage(element),
             condenser: element.need_text("condenser"),
+        },
+        "interface_exchanger" => ElementKind::InterfaceExchanger {
+            loss: read_loss(element),
+            blockage: read_blockage(element),
+            plates: air::read_plates(element),
         },
         "heater" => {
             let (loss, blockage) = (read_loss(element), read_blockage(element));

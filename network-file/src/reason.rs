@@ -242,7 +242,7 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
         ClimateError::ExchangerSides(index) => (
             exchanger(index),
             &["id"],
-            "needs one air side, at most one coolant side, and air behind it".into(),
+            "needs one side of its own and at most one coolant side, and behind it what it carries".into(),
         ),
         ClimateError::Wall(index, error) => {
             (part("wall", index), &[error.parameter], format!("{} for this step", text(error)))

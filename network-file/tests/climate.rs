@@ -27,7 +27,11 @@ fn mistakes_are_named_at_their_place() {
         ),
         ("oxygen_pa = 21200.0", "oxygen_pa = 121200.0", "partial pressures sum to more"),
         ("dew_point_k = 282.0", "dew_point_k = 282.0\nhumidity = 0.5", "unknown key `humidity`"),
-        ("condenser = \"che\"", "condenser = \"cher\"", "there is no condenser `cher`"),
+        (
+            "condenser = \"che\"",
+            "condenser = \"cher\"",
+            "there is no condenser or interface exchanger `cher`",
+        ),
         (
             "measures = \"cabin.temperature\"",
             "measures = \"cabin.colour\"",

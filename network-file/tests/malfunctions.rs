@@ -50,7 +50,7 @@ impl Shows {
 /// Kind of component, its id and input, the value of the malfunction, where it shows, and whether that rises.
 type Row = (&'static str, &'static str, f32, Shows, bool);
 
-const ROWS: [Row; 46] = [
+const ROWS: [Row; 50] = [
     ("pipe", "filter.opening", 0.1, Flow("loop"), false),
     // Elements that cannot be blocked have a hatch beside them.
     ("reference_pipe", "screen_blockage.opening", 0.02, Flow("loop"), false),
@@ -63,6 +63,10 @@ const ROWS: [Row; 46] = [
     ("condenser", "coil.separator_efficiency", 0.0, Liquid("plenum"), true),
     ("condenser", "coil.discharge", 0.0, Tank, false),
     ("coolant_side", "coolant.opening", 0.02, CoolantHeat, false),
+    ("interface_exchanger", "interface.opening", 0.02, Flow("back"), false),
+    ("interface_exchanger", "interface.fouling", 0.9, Temperature("tank"), true),
+    ("interface_exchanger", "interface.coolant_flow", 0.0, Temperature("tank"), true),
+    ("interface_exchanger", "interface.coolant_temperature", 290.0, Temperature("tank"), true),
     ("heater", "heater.power", 0.0, Temperature("cabin"), false),
     ("heater", "heater.opening", 0.1, Flow("return"), false),
     ("measured", "hardware.measured_flow", 0.002, Flow("rig"), true),

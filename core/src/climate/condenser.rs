@@ -12,7 +12,8 @@
 //!
 //! Heat and mass transfer have the same bypass factor (Lewis number near 1). A dry cell condenses nothing; a cell
 //! colder than the dew point grows a film; a film under drier air evaporates again, as far as it covers its cell.
-//! What a film cannot hold drains. Walls store heat, films store water, and each transfer is one rounded number that
+//! What a film cannot hold drains. With liquid in the place of the air the same walls are a liquid-to-liquid exchanger
+//! in counterflow. Walls store heat, films store water, and each transfer is one rounded number that
 //! leaves one side and enters the other.
 //!
 //! Source: bypass factor with wall node as in V-HAB's description of the station's exchanger; 0.46 is the exponent of
@@ -143,6 +144,28 @@ pub struct Coil<'s> {
     pub figures: &'s mut [WallFigures],
 }
 
+/// Takes a stream of liquid past `walls` in its order, with `conductance_j_k` [J/K] to all of them in this step.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "the body of a side")]
+fn sweep<'w>(
+    stream: &mut Stream,
+    conductance_j_k: f32,
+    liquid: &Medium,
+    walls: impl Iterator<Item = &'w mut WallFigures>,
+) {
+    let ([mass, ..], [heat, ..]) = (stream.mass_kg, liquid.flowing_j_kg_k);
+    let capacity = heat * mass;
+    let remaining = 1.0 - Condenser::contact(conductance_j_k, capacity);
+    let (mut theta, mut before) = (stream.energy_j / capacity, stream.energy_j);
+    for [wall, heat, _] in walls {
+        theta = *wall + remaining * (theta - *wall);
+        let after = capacity * theta;
+        *heat += before - after;
+        before = after;
+    }
+    stream.energy_j = before;
+}
+
 impl Coil<'_> {
     /// Derives the temperatures of all walls from their states and clears what reached them.
     pub fn begin(&mut self) {
@@ -216,17 +239,26 @@ impl Coil<'_> {
         let conductance = self.clean
             * data.coolant_w_k
             * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
-        let [heat, ..] = coolant.flowing_j_kg_k;
-        let capacity = heat * mass;
-        let remaining = 1.0 - Condenser::contact(conductance * step_s, capacity);
-        let (mut theta, mut before) = (stream.energy_j / capacity, stream.energy_j);
-        for [wall, heat, _] in self.figures.iter_mut().rev() {
-            theta = *wall + remaining * (theta - *wall);
-            let after = capacity * theta;
-            *heat += before - after;
-            before = after;
+        sweep(stream, conductance * step_s, coolant, self.figures.iter_mut().rev());
+    }
+
+    /// Passes liquid through the coil in the place of air for `step_s` [s], `reversed` from its outlet to its inlet:
+    /// changes the stream, books heat at the walls.
+    #[inline(never)] // in a loop over stations its powers would be taken for all of them
+    pub fn pass_liquid(&mut self, stream: &mut Stream, step_s: f32, liquid: &Medium, reversed: bool) {
+        let [mass, ..] = stream.mass_kg;
+        let flow = mass / step_s;
+        if flow < LEAST_FLOW_KG_S {
+            return;
         }
-        stream.energy_j = before;
+        let data = self.condenser;
+        let conductance =
+            self.clean * data.air_w_k * math::pow(flow * (1.0 / data.air_reference_kg_s), data.air_exponent);
+        if reversed {
+            sweep(stream, conductance * step_s, liquid, self.figures.iter_mut().rev());
+        } else {
+            sweep(stream, conductance * step_s, liquid, self.figures.iter_mut());
+        }
     }
 
     /// Moves heat and water into the walls and drains what the films cannot hold.

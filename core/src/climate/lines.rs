@@ -228,6 +228,16 @@ fn pass(
                 *heat = (before.energy_j - stream.energy_j) - *water * liquid;
             }
         }
+        Passage::LiquidSide(of) => {
+            let index = of as usize;
+            let before = stream.energy_j;
+            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
+                coil.pass_liquid(stream, at.step_s, &climate.coolant, reversed);
+            }
+            if let Some([heat, _, theta, _]) = work.shown.get_mut(index) {
+                (*heat, *theta) = (before - stream.energy_j, stream.theta_k(&climate.coolant));
+            }
+        }
         Passage::CoolantSide(of) => {
             let index = of as usize;
             let before = stream.energy_j;

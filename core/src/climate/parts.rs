@@ -29,6 +29,8 @@ pub enum Passage {
     Condenser(u32),
     /// Coolant side of this exchanger.
     CoolantSide(u32),
+    /// Liquid in the place of this exchanger's air: liquid to liquid.
+    LiquidSide(u32),
 }
 
 /// A passage at its place; in the order of the segments.
@@ -159,6 +161,10 @@ impl Station {
             }
             Passage::CoolantSide(index) => {
                 hash.word(4);
+                hash.word(index);
+            }
+            Passage::LiquidSide(index) => {
+                hash.word(5);
                 hash.word(index);
             }
         }

@@ -99,7 +99,14 @@ impl Element {
         let label = short.filter(|rest| !rest.is_empty()).unwrap_or(&entry.id).to_owned();
         let active = !matches!(
             kind.as_str(),
-            "pipe" | "reference_pipe" | "heat_exchanger" | "bed" | "condenser" | "coolant_side" | "heater"
+            "pipe"
+                | "reference_pipe"
+                | "heat_exchanger"
+                | "bed"
+                | "condenser"
+                | "coolant_side"
+                | "interface_exchanger"
+                | "heater"
         );
         Self { id: entry.id.clone(), label, kind, active }
     }

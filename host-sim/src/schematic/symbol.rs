@@ -19,8 +19,8 @@ pub(super) fn symbol(kind: &str) -> Option<&'static str> {
         "heat_exchanger" | "condenser" => {
             r#"<path class="body" d="M-.95-.75H.95V.75H-.95Z"/><path d="M-.95 0H-.6L-.35-.5L0 .5L.35-.5L.6 0H.95"/><path class="hub" d="M.62.28C.9.62.78.68.62.68C.46.68.34.62.62.28Z"/>"#
         }
-        // Its other side: the coil alone.
-        "coolant_side" => {
+        // Its other side, or one between liquids: the coil alone.
+        "coolant_side" | "interface_exchanger" => {
             r#"<path class="body" d="M-.95-.75H.95V.75H-.95Z"/><path d="M-.95 0H-.6L-.35-.5L0 .5L.35-.5L.6 0H.95"/>"#
         }
         // A heater, or with negative power a cold plate.
@@ -67,6 +67,7 @@ mod tests {
             "bed",
             "condenser",
             "coolant_side",
+            "interface_exchanger",
             "heater",
             "orifice",
             "leak",

@@ -88,6 +88,28 @@ pub struct CoilEntry {
     pub starts: Starts,
 }
 
+/// What a liquid-to-liquid heat exchanger is beside its loss.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlatesEntry {
+    /// Conductance of the line's own side at its reference flow [W/K].
+    pub liquid_w_k: f64,
+    /// Reference flow of that side [kg/s].
+    pub liquid_reference_kg_s: f64,
+    /// Conductance of the other side at its reference flow [W/K].
+    pub coolant_w_k: f64,
+    /// Reference flow of the other side [kg/s].
+    pub coolant_reference_kg_s: f64,
+    /// Heat capacity of the plates [J/K]; the condenser's when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capacity_j_k: Option<f64>,
+    /// Temperature of the plates at the start [K]; that of the line's `from` node when absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature_k: Option<f64>,
+    /// Start values of its inputs.
+    #[serde(flatten)]
+    pub starts: Starts,
+}
+
 /// Table `[[source]]`, `[[crew]]`, `[[remover]]` or `[[wall]]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartEntry {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::air::{CoilEntry, Starts};
+use super::air::{CoilEntry, PlatesEntry, Starts};
 
 /// Kinds of element.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -78,6 +78,18 @@ pub enum ElementKind {
         blockage: Blockage,
         /// Id of the condenser.
         condenser: String,
+    },
+    /// Heat exchanger between two loops of coolant, or to coolant from outside; needs `[air]`.
+    InterfaceExchanger {
+        /// Its loss.
+        #[serde(flatten)]
+        loss: Loss,
+        /// Whether and how far it can be blocked.
+        #[serde(flatten)]
+        blockage: Blockage,
+        /// Everything else.
+        #[serde(flatten)]
+        plates: PlatesEntry,
     },
     /// Heater, cold plate or heat load in a line; needs `[air]`.
     Heater {

@@ -13,7 +13,9 @@ use eclss_core::element::{Fan, Pump};
 use eclss_core::{InputSpec, Line, StdElement, moist};
 
 use super::Tables;
-use crate::document::air::{CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, Starts};
+use crate::document::air::{
+    CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, PlatesEntry, Starts,
+};
 use crate::document::{ElementKind, LineEntry, Machine, NetworkFile, NodeEntry, NodeEntryKind};
 use crate::input::Slot;
 use crate::limits;
@@ -65,6 +67,7 @@ fn refuse_without_air(file: &NetworkFile, notes: &mut Notes) {
             match &element.kind {
                 ElementKind::Condenser { .. }
                 | ElementKind::CoolantSide { .. }
+                | ElementKind::InterfaceExchanger { .. }
                 | ElementKind::Heater { .. } => {
                     refuse(path, &["kind"]);
                 }
@@ -202,12 +205,19 @@ impl Lowering<'_, '_> {
             .collect();
         for (index, line) in self.file.lines.iter().enumerate() {
             for (place, element) in line.elements.iter().enumerate() {
-                if let ElementKind::Condenser { coil, .. } = &element.kind {
-                    let path = format!("line[{index}].element[{place}]");
-                    condensers.insert(&element.id, self.climate.exchangers.len() as u32);
-                    let own_coolant = !coolant.contains(&element.id.as_str());
-                    self.exchanger(&element.id, index, coil, own_coolant, &path);
-                }
+                let plates;
+                let coil = match &element.kind {
+                    ElementKind::Condenser { coil, .. } => coil,
+                    ElementKind::InterfaceExchanger { plates: entry, .. } => {
+                        plates = coil_of(entry);
+                        &plates
+                    }
+                    _ => continue,
+                };
+                let path = format!("line[{index}].element[{place}]");
+                condensers.insert(&element.id, self.climate.exchangers.len() as u32);
+                let own_coolant = !coolant.contains(&element.id.as_str());
+                self.exchanger(&element.id, index, coil, own_coolant, &path);
             }
         }
         for (index, line) in self.file.lines.iter().enumerate() {
@@ -217,9 +227,13 @@ impl Lowering<'_, '_> {
                 let segment = first + place as u32;
                 let passage = match &element.kind {
                     ElementKind::Condenser { .. } => Passage::Condenser(condensers[element.id.as_str()]),
+                    ElementKind::InterfaceExchanger { .. } => {
+                        Passage::LiquidSide(condensers[element.id.as_str()])
+                    }
                     ElementKind::CoolantSide { condenser, .. } => {
                         let Some(&of) = condensers.get(condenser.as_str()) else {
-                            let reason = format!("there is no condenser `{condenser}`");
+                            let reason =
+                                format!("there is no condenser or interface exchanger `{condenser}`");
                             self.notes.refuse_at(&path, &["condenser"], reason);
                             continue;
                         };
@@ -445,6 +459,21 @@ impl Lowering<'_, '_> {
 /// noise everywhere.
 fn seed_of(id: &str) -> u32 {
     id.bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// Plates between two liquids as the coil that they are computed as: liquid in the place of the air.
+fn coil_of(plates: &PlatesEntry) -> CoilEntry {
+    CoilEntry {
+        air_w_k: Some(plates.liquid_w_k),
+        air_reference_kg_s: Some(plates.liquid_reference_kg_s),
+        air_exponent: Some(limits::LIQUID_EXPONENT),
+        coolant_w_k: Some(plates.coolant_w_k),
+        coolant_reference_kg_s: Some(plates.coolant_reference_kg_s),
+        capacity_j_k: plates.capacity_j_k,
+        temperature_k: plates.temperature_k,
+        starts: plates.starts.clone(),
+        ..CoilEntry::default()
+    }
 }
 
 fn controller(kind: &ControlKind) -> Controller {

@@ -5,7 +5,7 @@ use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Wall, m
 
 use crate::document::NetworkFile;
 use crate::document::air::{
-    AirEntry, CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, Starts, WallEntry,
+    AirEntry, CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, PlatesEntry, Starts, WallEntry,
 };
 use crate::limits;
 use crate::table::Table;
@@ -90,6 +90,18 @@ pub(super) fn read_coil(element: &mut Table<'_, '_>) -> CoilEntry {
         discharge_s: element.number("discharge_s", &limits::SOME_TIME),
         slug_kg: element.number("slug_kg", &limits::SOME_MASS),
         starts: starts(element, &Exchanger::INPUTS),
+    }
+}
+
+pub(super) fn read_plates(element: &mut Table<'_, '_>) -> PlatesEntry {
+    PlatesEntry {
+        liquid_w_k: element.need_number("liquid_w_k", &limits::SOME_CONDUCTANCE),
+        liquid_reference_kg_s: element.need_number("liquid_reference_kg_s", &limits::REFERENCE_FLOW),
+        coolant_w_k: element.need_number("coolant_w_k", &limits::SOME_CONDUCTANCE),
+        coolant_reference_kg_s: element.need_number("coolant_reference_kg_s", &limits::REFERENCE_FLOW),
+        capacity_j_k: element.number("capacity_j_k", &limits::HEAT_CAPACITY),
+        temperature_k: element.number("temperature_k", &limits::MOIST_TEMPERATURE),
+        starts: starts(element, &Exchanger::INPUTS[1..4]),
     }
 }
 
