@@ -74,8 +74,6 @@ pub(super) struct Work<'w> {
     /// What every line had given before this step, and its carry [kg].
     pub(super) given: &'w mut [[f32; 2]],
     pub(super) start: &'w mut [Start],
-    /// Virtual temperatures of the nodes [K]; last, so that flow methods find them.
-    pub(super) virtual_k: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -94,7 +92,6 @@ impl<'w> Work<'w> {
             shown: cut.take_rows(exchangers),
             given: cut.take_rows(network.lines.len()),
             start: cut.take_rows(nodes),
-            virtual_k: cut.take(density::kept(network)),
         }
     }
 }

@@ -8,9 +8,8 @@
 //! Fundamentals, psychrometrics), here for every part of the air.
 
 use super::Climate;
-use super::buffers::Work;
 use super::medium::{GAS_CONSTANTS_J_KG_K, Parts, dot};
-use super::volume::Contents;
+use super::volume::{Contents, Figures};
 use crate::{Network, air};
 
 /// Nodes whose virtual temperature is kept: all, where a line responds to density or temperature.
@@ -25,13 +24,26 @@ pub(crate) fn virtual_k<'w, E>(network: &Network<'_, E>, work: &'w [f32]) -> &'w
     work.get(first..).unwrap_or(&[])
 }
 
+/// Cuts the virtual temperatures off the end of a work buffer.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "nothing where the compiler knows that no line asks")]
+pub(super) fn cut<'w, E>(network: &Network<'_, E>, work: &'w mut [f32]) -> (&'w mut [f32], &'w mut [f32]) {
+    let first = work.len().saturating_sub(kept(network));
+    work.split_at_mut(first)
+}
+
 /// Derives the virtual temperatures of the nodes of all lines that respond.
-pub(super) fn derive<E>(network: &Network<'_, E>, work: &mut Work<'_>) {
+pub(super) fn derive<E>(
+    network: &Network<'_, E>,
+    figures: &[Figures],
+    fractions: &[Parts],
+    virtual_k: &mut [f32],
+) {
     for entry in network.responsive {
         let Some(line) = network.lines.get(entry.line as usize) else { continue };
         for node in [line.from as usize, line.to as usize] {
             if let (Some(kept), Some([theta, ..]), Some(fractions)) =
-                (work.virtual_k.get_mut(node), work.figures.get(node), work.fractions.get(node))
+                (virtual_k.get_mut(node), figures.get(node), fractions.get(node))
             {
                 *kept = virtual_temperature_k(fractions, network.climate.reference_k + theta);
             }

@@ -20,10 +20,15 @@ fn row(stream: &Stream, sign: f32) -> Stored {
     [sign * a, sign * b, sign * c, sign * d, sign * e, sign * f, sign * stream.energy_j, 0.0]
 }
 
+/// Share of its conductances that fouling has left to an exchanger [1].
+fn clean(climate: &Climate<'_>, at: Stepped<'_>, index: usize) -> f32 {
+    climate.exchangers.get(index).map_or(1.0, |exchanger| 1.0 - input(at.inputs, exchanger.first_input + 3))
+}
+
 /// One coil of the network while it is stepped.
 fn coil<'c>(
     climate: &'c Climate<'_>,
-    inputs: &[f32],
+    clean: f32,
     index: usize,
     walls: &'c mut [WallState],
     figures: &'c mut [WallFigures],
@@ -33,7 +38,7 @@ fn coil<'c>(
     Some(Coil {
         condenser: &exchanger.condenser,
         air: &climate.air,
-        clean: 1.0 - input(inputs, exchanger.first_input + 3),
+        clean,
         reference_k: climate.reference_k,
         start_theta_k: exchanger.start_k - climate.reference_k,
         walls: walls.get_mut(range.clone())?,
@@ -42,14 +47,9 @@ fn coil<'c>(
 }
 
 /// Derives the temperatures of all walls.
-pub(super) fn begin_coils(
-    climate: &Climate<'_>,
-    at: Stepped<'_>,
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
-) {
+pub(super) fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
     for index in 0..climate.exchangers.len() {
-        if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
+        if let Some(mut coil) = coil(climate, 1.0, index, state.coils, work.coils) {
             coil.begin();
         }
     }
@@ -217,7 +217,7 @@ fn pass(
         Passage::Condenser(of) => {
             let index = of as usize;
             let before = *stream;
-            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
+            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
                 coil.pass_air(stream, at.step_s, pressure, reversed);
             }
             if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
@@ -231,7 +231,7 @@ fn pass(
         Passage::LiquidSide(of) => {
             let index = of as usize;
             let before = stream.energy_j;
-            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
+            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
                 coil.pass_liquid(stream, at.step_s, &climate.coolant, reversed);
             }
             if let Some([heat, _, theta, _]) = work.shown.get_mut(index) {
@@ -241,7 +241,7 @@ fn pass(
         Passage::CoolantSide(of) => {
             let index = of as usize;
             let before = stream.energy_j;
-            if let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) {
+            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
                 coil.pass_coolant(stream, at.step_s, &climate.coolant);
             }
             if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
@@ -259,11 +259,12 @@ pub(super) fn settle_coils(
     work: &mut Work<'_>,
 ) {
     for (index, exchanger) in climate.exchangers.iter().enumerate() {
-        let slot = exchanger.first_input;
-        let Some(mut coil) = coil(climate, at.inputs, index, state.coils, work.coils) else { continue };
+        let inputs = at.inputs.get(exchanger.first_input as usize..).and_then(<[f32]>::first_chunk);
+        let Some(&[efficiency, flow, temperature, fouling, discharge]) = inputs else { continue };
+        let Some(mut coil) = coil(climate, 1.0 - fouling, index, state.coils, work.coils) else { continue };
         if exchanger.own_coolant {
-            let mass = input(at.inputs, slot + 1) * at.step_s;
-            let theta = input(at.inputs, slot + 2) - climate.reference_k;
+            let mass = flow * at.step_s;
+            let theta = temperature - climate.reference_k;
             let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
             let before = stream.energy_j;
             coil.pass_coolant(&mut stream, at.step_s, &climate.coolant);
@@ -274,9 +275,7 @@ pub(super) fn settle_coils(
         }
         let drained = coil.settle();
         let Some(stores) = state.stores.get_mut(index) else { continue };
-        let discharges = input(at.inputs, slot + 4) >= 0.5;
-        let efficiency = input(at.inputs, slot);
-        let lost = exchanger::separate(exchanger, stores, drained, efficiency, discharges, at.step_s);
+        let lost = exchanger::separate(exchanger, stores, drained, efficiency, discharge >= 0.5, at.step_s);
         work.books.add(exchanger.outlet_node as usize, [LIQUID, ENERGY], [lost.water_kg, lost.energy_j]);
     }
 }

@@ -44,14 +44,15 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     state.fill(0.0);
     work.fill(0.0);
     let climate = &network.climate;
-    let (state, mut work) = (State::of(climate, state), Work::of(network, work));
+    let (work, virtual_k) = density::cut(network, work);
+    let (state, work) = (State::of(climate, state), Work::of(network, work));
     let rows = work.fractions.iter_mut().zip(work.figures.iter_mut()).zip(work.start.iter_mut());
     for (index, ((fractions, figures), start)) in rows.enumerate() {
         if let Some(constants) = constants(network, index) {
             constants.start(fractions, figures, start);
         }
     }
-    density::derive(network, &mut work);
+    density::derive(network, work.figures, work.fractions, virtual_k);
     for (exchanger, shown) in climate.exchangers.iter().zip(work.shown.iter_mut()) {
         shown[2] = exchanger.start_k - climate.reference_k;
     }
@@ -183,8 +184,9 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     mut flow: impl FnMut(usize, Option<f32>) -> f32,
 ) -> Option<Place> {
     let climate = &network.climate;
+    let (work, virtual_k) = density::cut(network, work);
     let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
-    begin_coils(climate, at, &mut state, &mut work);
+    begin_coils(climate, &mut state, &mut work);
     move_lines::<E, UNROLL>(network, at, &mut state, &mut work);
     settle_coils(climate, at, &mut state, &mut work);
     supply_volumes::<E, UNROLL>(network, at, &mut state, &mut work);
@@ -215,6 +217,6 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             place = place.or(Some(Place::Node(index as u32)));
         }
     });
-    density::derive(network, &mut work);
+    density::derive(network, work.figures, work.fractions, virtual_k);
     place
 }
