@@ -123,7 +123,7 @@ mod tests {
     fn the_paper_loop_takes_what_its_buffers_take() {
         let need = Need::of(&eclss_core::example::paper_loop(), Method::Relaxation);
         let constants = need.constants();
-        let buffers = size_of::<eclss_core::Storage<22, 36, 6, 0>>();
+        let buffers = size_of::<eclss_core::Storage<22, 32, 6, 0>>();
         assert_eq!(need.ram, buffers as u64);
         assert!(constants.contains(&format!("RAM_BYTES: usize = {buffers};")), "{constants}");
         assert!(need.flash > 6 * size_of::<eclss_core::Segment>() as u64);

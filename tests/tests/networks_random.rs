@@ -51,6 +51,17 @@ fn tr_bdf2_stays_finite_and_settles_with_check_valves() {
     holds(Method::TrBdf2, true);
 }
 
+/// Networks of the whole campaign that taught something: two parallel laminar lines, one of which is drained; a swing that a
+/// closed valve damps near rest only; drains whose flow turns between the solves of a stage.
+#[test]
+fn what_was_missed_once_settles() {
+    for seed in [625, 1974, 4434, 6056] {
+        let outcome = examine(seed, Method::TrBdf2, false);
+        assert!(outcome.notes.is_empty(), "{:?}", outcome.notes);
+        assert_eq!(outcome.settled, 1, "seed {seed} has the time to settle");
+    }
+}
+
 /// Networks in which max|p − p*| grows at some step, and in which it ends larger than it began.
 fn growing(rule: Rule, theta: f64) -> (u32, u32, u32) {
     let (mut seen, mut grew, mut ended_larger) = (0, 0, 0);

@@ -281,14 +281,14 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     work.known.fill(0.0);
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
-    solve::<E, UNROLL, true, true>(model, state.flow, work);
+    solve::<E, UNROLL, true>(model, state.flow, work);
     // Lines that respond are solved more often in any case.
     if two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !responds) {
         respond!(first, At::Iterate);
-        solve::<E, UNROLL, false, true>(model, state.flow, work);
+        solve::<E, UNROLL, false>(model, state.flow, work);
     }
     if responds {
-        respond::solve_more::<E, UNROLL, true>(model, given(first), state.flow, state.memory, work);
+        respond::solve_more::<E, UNROLL>(model, given(first), state.flow, state.memory, work);
     }
     let weights = if two_stages {
         segment::carry_over([work.inertia, work.differ, work.q], work.ports, work.pushed, work.first);
@@ -301,11 +301,11 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::NextStage);
         segment::push::<false>(work.head, work.pushed);
-        solve::<E, UNROLL, false, false>(model, state.flow, work);
+        solve::<E, UNROLL, false>(model, state.flow, work);
         respond!(inputs.end, At::Iterate);
-        solve::<E, UNROLL, false, false>(model, state.flow, work);
+        solve::<E, UNROLL, false>(model, state.flow, work);
         if responds {
-            respond::solve_more::<E, UNROLL, false>(model, given(inputs.end), state.flow, state.memory, work);
+            respond::solve_more::<E, UNROLL>(model, given(inputs.end), state.flow, state.memory, work);
         }
         [MEAN, TAU]
     } else {
@@ -317,17 +317,17 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
 
 /// One Newton iteration: all segments are linearised around the iterate, the lines' interiors eliminated, the nodes
 /// solved, the lines filled in, and all of it added to the iterate. The `START` of a step is from rest; drains act by the
-/// direction of the flow at the start of the stage, which for the `FIRST` is the step's.
+/// direction that the iterate gives their flows.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn solve<E: Element, const UNROLL: bool, const START: bool, const FIRST: bool>(
+fn solve<E: Element, const UNROLL: bool, const START: bool>(
     model: &Model<'_, '_, E, UNROLL>,
     flow: &[f32],
     work: &mut Work<'_>,
 ) {
     let (network, columns) = (model.network, columns!(work, flow));
     model.linearise::<START>(columns, [work.differ, work.pushed], work.drop, work.q, work.ports);
-    line::sweep::<E, FIRST>(network, flow, work);
+    line::sweep(network, work);
     matrix::solve::<E, UNROLL>(network, work);
     line::substitute::<E, START>(network, work);
     let nodes = work.known.iter_mut().zip(work.capacity.iter());

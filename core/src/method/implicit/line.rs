@@ -27,15 +27,11 @@ struct Admittance {
     outlet_held: f32,
 }
 
-/// Eliminates the interior of all lines of several segments, and writes their ports. A drain acts by the direction of
-/// the flow at the stage's start, which is the step's for the `FIRST`.
+/// Eliminates the interior of all lines of several segments, and writes their ports. A drain acts by the direction
+/// that the iterate gives the flow.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn sweep<E: Element, const FIRST: bool>(
-    network: &Network<'_, E>,
-    flow: &[f32],
-    work: &mut Work<'_>,
-) {
+pub(crate) fn sweep<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
     for &index in network.plan.composite {
         if let Some(line) = network.lines.get(index as usize) {
             for node in [line.from as usize, line.to as usize] {
@@ -47,7 +43,7 @@ pub(crate) fn sweep<E: Element, const FIRST: bool>(
     }
     for (place, &index) in network.plan.composite.iter().enumerate() {
         let Some(line) = network.lines.get(index as usize) else { continue };
-        let admittance = eliminate::<E, FIRST>(network, line, flow, work);
+        let admittance = eliminate(network, line, work);
         for (node, held) in [(line.from, admittance.inlet_held), (line.to, admittance.outlet_held)] {
             if let Some(excess) = work.excess.get_mut(node as usize) {
                 *excess += held;
@@ -63,12 +59,7 @@ pub(crate) fn sweep<E: Element, const FIRST: bool>(
 /// Sweeps a line from inlet to outlet.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of the loop over lines")]
-fn eliminate<E: Element, const FIRST: bool>(
-    network: &Network<'_, E>,
-    line: &Line,
-    flow: &[f32],
-    work: &mut Work<'_>,
-) -> Admittance {
+fn eliminate<E: Element>(network: &Network<'_, E>, line: &Line, work: &mut Work<'_>) -> Admittance {
     // Upstream of the present reach: b and flow there; capacity and known part of the volume between.
     let ([mut b_before, mut f_before], [mut capacity, mut known]): (Port, [f32; 2]) = ([0.0; 2], [0.0; 2]);
     // α, κ and ζ = 1 − κ − γ of the volume before; P, Q and Z of c_0 = P + (1 − Q − Z)·c_from + Q·c_j.
@@ -88,8 +79,7 @@ fn eliminate<E: Element, const FIRST: bool>(
         let [b, f] = work.ports.get(index).copied().unwrap_or([0.0; 2]);
         // Said this way, a line that drains nothing is known not to when the network is compiled in.
         forward = ratio > 1.0 || removal > 0.0;
-        let moved = if FIRST { 0.0 } else { at(work.first, index as u32) };
-        forward = forward && at(flow, index as u32) + moved > 0.0;
+        forward = forward && f > 0.0;
         let leaves = if ratio > 1.0 && forward { ratio } else { 1.0 };
         if inlet.is_none() {
             inlet = Some((leaves, [b, f]));

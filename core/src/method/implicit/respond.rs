@@ -137,7 +137,7 @@ pub(super) fn state_laws<E: Element>(
 
 /// Solves a stage again with laws stated where the last solve went to.
 #[inline(never)]
-pub(super) fn solve_more<E: Element, const UNROLL: bool, const FIRST: bool>(
+pub(super) fn solve_more<E: Element, const UNROLL: bool>(
     model: &Model<'_, '_, E, UNROLL>,
     given: Given<'_>,
     flow: &[f32],
@@ -146,7 +146,7 @@ pub(super) fn solve_more<E: Element, const UNROLL: bool, const FIRST: bool>(
 ) {
     for _ in 0..MORE {
         state_laws(model.network, model.tau, given, Place::Closing, flow, memory, work);
-        solve::<E, UNROLL, false, FIRST>(model, flow, work);
+        solve::<E, UNROLL, false>(model, flow, work);
     }
 }
 
