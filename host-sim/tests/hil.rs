@@ -329,12 +329,13 @@ fn rejects_are_reported_by_channel() {
         sent
     });
     let report = run(&source, &job, &mut sink()).unwrap();
-    let [not_finite, out_of_range, too_fast, _] = other.join().unwrap();
+    let [not_finite, out_of_range, halved, full] = other.join().unwrap();
     let valve = report.channels.iter().find(|channel| channel.name == "valve.opening").unwrap();
     // Packets that come in one tick leave the newest, and the first ones may be before the session.
     assert!(valve.not_finite > 50 && valve.not_finite <= not_finite, "{valve:?} of {not_finite}");
     assert!(valve.out_of_range > 25 && valve.out_of_range <= out_of_range, "{valve:?} of {out_of_range}");
-    assert!(valve.too_fast > 25 && valve.too_fast <= too_fast + 1, "{valve:?} of {too_fast}");
+    // On a busy computer half an opening may be believed after a pause; then a full one is too fast for a while.
+    assert!(valve.too_fast > 25 && valve.too_fast <= halved + full, "{valve:?} of {halved} and {full}");
     let fan = report.channels.iter().find(|channel| channel.name == "fan.speed").unwrap();
     assert_eq!((fan.not_finite, fan.out_of_range, fan.too_fast), (0, 0, 0), "each signal by itself");
     let flow = report.channels.iter().find(|channel| channel.name == "loop.mass_flow").unwrap();

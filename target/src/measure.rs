@@ -73,7 +73,8 @@ pub fn start() -> ! {
     }
     let well = match line.split_once('=') {
         Some(("trace", method)) if !DAY => networks::trace(method),
-        Some(("figures", "all")) if DAY => networks::day().is_some(),
+        Some(("figures", "all")) if DAY => networks::day(networks::DAY_STEPS).is_some(),
+        Some(("steps", count)) if DAY => count.parse().is_ok_and(|steps| networks::day(steps).is_some()),
         Some(("figures", "all")) => {
             laws::measure();
             link::measure() && networks::measure()

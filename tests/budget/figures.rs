@@ -39,7 +39,8 @@ impl Figure {
 
 /// Everything that is counted on one board.
 pub(crate) fn measure(machine: &str) -> Vec<Figure> {
-    let runs = [emulator::measure(machine, &["figures=all"]), emulator::measure_day(machine)];
+    let runs =
+        [emulator::measure(machine, &["figures=all"]), emulator::measure_day(machine, &["figures=all"])];
     for run in &runs {
         assert!(run.status.success(), "{}", run.log.join("\n"));
     }

@@ -79,14 +79,15 @@ fn every_method_ends_in_the_same_state_on_every_machine() {
 }
 
 /// The day of temperature and humidity control, a thousand times as fast: crew, exercise, condensation, control and a
-/// failed fan.
+/// failed fan. `ECLSS_DAY_STEPS=360000` follows it for an hour of 10 ms steps.
 #[test]
 fn a_day_of_heat_moisture_and_control_ends_in_the_same_state_on_every_machine() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks/thcs.toml");
     let mut day = eclss_network_file::load(&path).expect("it ships");
     day.points.iter_mut().for_each(|point| point.time_us /= 1_000);
     let (method, step_us) = (day.run.method, day.run.step_us);
-    let steps = day.run.until_us / 1_000 / u64::from(step_us);
+    let wanted = std::env::var("ECLSS_DAY_STEPS").ok().map(|steps| steps.parse().expect("a number of steps"));
+    let steps = wanted.unwrap_or(day.run.until_us / 1_000 / u64::from(step_us));
     let (id, state, water) = with_simulator(&day.network(), method, step_us, |simulator| {
         while simulator.tick() < steps && simulator.step() == Health::Trusted {}
         let coil = simulator.exchanger(0).expect("it has a condenser");
@@ -95,7 +96,7 @@ fn a_day_of_heat_moisture_and_control_ends_in_the_same_state_on_every_machine() 
     .expect("the method takes it");
     assert!(water > 1e-3, "nothing condensed: {water} kg");
     for machine in MACHINES {
-        let run = measure_day(machine);
+        let run = measure_day(machine, &[&format!("steps={steps}")]);
         for form in ["thcs", "thcs-loaded"] {
             let ended = run.after(&format!("run {form} {} ", method.name()));
             assert_eq!(

@@ -52,7 +52,7 @@ impl<N: Compiled<Element = StdElement>, const METHOD: usize> Compiled for With<N
 /// Steps of the paper's scenario: 26 s.
 const PAPER_STEPS: u32 = 26_000;
 /// Steps of the fast day: 86.4 s.
-const DAY_STEPS: u32 = 8_640;
+pub(super) const DAY_STEPS: u32 = 8_640;
 /// Steps of the large networks: past the closing of their valve.
 const LARGE_STEPS: u32 = 400;
 /// Steps of the fast scenario.
@@ -108,8 +108,8 @@ fn paper<const METHOD: usize>(storage: &mut Small) -> Option<()> {
     Some(())
 }
 
-/// A day of temperature and humidity control with its file's method: specialised, then in general form.
-pub(super) fn day() -> Option<()> {
+/// So many steps of a day of temperature and humidity control with its file's method: specialised, then in general form.
+pub(super) fn day(count: u32) -> Option<()> {
     const LENGTH: Sizes = thcs::BUFFERS;
     static STORAGE: ConstStaticCell<
         Storage<{ LENGTH.state }, { LENGTH.work }, { LENGTH.inputs }, { LENGTH.cursors }>,
@@ -119,9 +119,9 @@ pub(super) fn day() -> Option<()> {
     let name = settings.method.name();
     let simulator = built(&thcs::NETWORK, settings, storage.buffers())?;
     let mut simulator = CompiledSimulator::<thcs::Configured>::new(simulator)?;
-    steps("thcs", name, DAY_STEPS, &mut simulator, specialised, |simulator| simulator);
+    steps("thcs", name, count, &mut simulator, specialised, |simulator| simulator);
     let mut simulator = built(&thcs::NETWORK, settings, storage.buffers())?;
-    steps("thcs-loaded", name, DAY_STEPS, &mut simulator, general_step, |simulator| simulator);
+    steps("thcs-loaded", name, count, &mut simulator, general_step, |simulator| simulator);
     Some(())
 }
 

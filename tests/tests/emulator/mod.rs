@@ -45,8 +45,8 @@ pub(crate) fn measure(machine: &str, words: &[&str]) -> Run {
 }
 
 /// Runs the program that counts the instructions of a day of temperature and humidity control.
-pub(crate) fn measure_day(machine: &str) -> Run {
-    logged(machine, &elf("measure-day"), COUNTING, &["figures=all"])
+pub(crate) fn measure_day(machine: &str, words: &[&str]) -> Run {
+    logged(machine, &elf("measure-day"), COUNTING, words)
 }
 
 /// Runs the program that counts instructions and writes down the address of each.
