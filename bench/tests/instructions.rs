@@ -12,24 +12,27 @@ use eclss_core::Method;
 /// Largest worst frame over the mean frame [1].
 const WORST_OVER_MEAN: f64 = 1.05;
 const STEP_US: &str = "10000";
+/// Most instructions that a node and its line may take in a step in ranges: what they took when this was written, and
+/// some for another compiler.
+const IN_RANGES: f64 = 160.0;
 /// Largest exponent of growth from 100 to 1 000 and to 10 000 nodes [1].
 const EXPONENT: f64 = 1.05;
 
 /// Instructions of every frame.
 fn scenario(method: Method) -> Vec<u64> {
     let until_ms = if method == Method::Euler { "10800" } else { "26000" };
-    frames(method, &[STEP_US, until_ms])
+    frames(method.name(), &[STEP_US, until_ms])
 }
 
 /// Instructions of every frame but the first and what follows the last, with `rest` behind the method's name.
-fn frames(method: Method, rest: &[&str]) -> Vec<u64> {
-    let name = format!("eclss-frames-{}-{}-{}", std::process::id(), method.name(), rest.join("-"));
+fn frames(method: &str, rest: &[&str]) -> Vec<u64> {
+    let name = format!("eclss-frames-{}-{}-{}", std::process::id(), method, rest.join("-"));
     let out = std::env::temp_dir().join(name);
     let run = Command::new("valgrind")
         .args(["--tool=callgrind", "--quiet", "--combine-dumps=yes"])
-        .arg("--dump-after=eclss_frames::eclss_frame")
+        .arg("--dump-after=eclss_frames::eclss_frame*")
         .arg(format!("--callgrind-out-file={}", out.display()))
-        .args([env!("CARGO_BIN_EXE_eclss-frames"), method.name()])
+        .args([env!("CARGO_BIN_EXE_eclss-frames"), method])
         .args(rest)
         .output()
         .expect("valgrind starts");
@@ -86,7 +89,8 @@ fn a_frame_grows_no_faster_than_the_network() {
     }
     let mut fast = Vec::new();
     for method in [Method::Adaptive, Method::ImplicitEuler, Method::TrBdf2] {
-        let last = |nodes: &str| frames(method, &["1000", "4", nodes]).pop().expect("frames were counted");
+        let last =
+            |nodes: &str| frames(method.name(), &["1000", "4", nodes]).pop().expect("frames were counted");
         let counts = [last("100"), last("1000"), last("10000")];
         for pair in counts.windows(2) {
             let exponent = (pair[1] as f64 / pair[0] as f64).log10();
@@ -97,4 +101,19 @@ fn a_frame_grows_no_faster_than_the_network() {
         }
     }
     assert!(fast.is_empty(), "{fast:?}");
+}
+
+/// Nodes of the chain that is stepped in ranges.
+const NODES: u32 = 20_000;
+
+#[test]
+fn a_step_in_ranges_costs_a_node_and_its_line_few_instructions() {
+    if counter_missing() {
+        return;
+    }
+    let frame =
+        frames("adaptive-in-ranges", &["1000", "4", &NODES.to_string()]).pop().expect("frames were counted");
+    let each = frame as f64 / f64::from(NODES);
+    println!("adaptive in ranges, {NODES} nodes: {each:.1} instructions for a node and its line");
+    assert!(each <= IN_RANGES, "{each:.1} > {IN_RANGES}");
 }

@@ -1,12 +1,14 @@
 //! Runs a network frame by frame, for an instruction counter that watches `eclss_frame`.
 //!
 //! `eclss-frames METHOD STEP_US UNTIL_MS [NODES]`: the paper's valve scenario, or a chain of so many nodes.
+//! With `adaptive-in-ranges` for a method, `adaptive` as it steps large networks, by one thread.
 
 use std::error::Error;
 use std::hint::black_box;
 
 use eclss_bench::{Description, Runner};
-use eclss_core::{Health, Method, Simulator};
+use eclss_core::{Health, InTurn, Method, SplitSimulator};
+use eclss_parallel::ParallelBuffers;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -15,15 +17,27 @@ fn main() -> Result<(), Box<dyn Error>> {
         [method, step_us, until_ms, nodes] => (method, step_us, until_ms, Some(nodes.parse()?)),
         _ => return Err("usage: eclss-frames METHOD STEP_US UNTIL_MS [NODES]".into()),
     };
-    let method = Method::from_name(method).ok_or("no such method")?;
     let (step_us, until_ms): (u32, u64) = (step_us.parse()?, until_ms.parse()?);
     let description = nodes.map_or_else(Description::paper_loop, Description::node_chain);
     let network = description.network();
+    let mut frames = 0u32;
+    if method == "adaptive-in-ranges" {
+        let mut buffers = ParallelBuffers::new(&network);
+        let mut simulator = buffers.simulator(&network, step_us)?;
+        for _ in 0..until_ms * 1_000 / u64::from(step_us) {
+            if in_ranges(&mut simulator) != Health::Trusted {
+                return Err("the run left its range".into());
+            }
+            frames += 1;
+        }
+        println!("{frames} frames");
+        return Ok(());
+    }
+    let method = Method::from_name(method).ok_or("no such method")?;
     let mut runner = Runner::new(&network, method);
     let mut simulator = runner.simulator(&network, method, step_us)?;
-    let mut frames = 0u32;
     while simulator.time_us() < until_ms * 1_000 {
-        if eclss_frame(&mut simulator) != Health::Trusted {
+        if eclss_frame(|| simulator.step()) != Health::Trusted {
             return Err("the run left its range".into());
         }
         frames += 1;
@@ -32,8 +46,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// One frame in ranges of lines and of nodes.
+fn in_ranges<E: eclss_core::Element + Sync>(simulator: &mut SplitSimulator<'_, E>) -> Health {
+    eclss_frame(|| simulator.step(&InTurn))
+}
+
 /// One frame; its name is what the counter looks for.
 #[inline(never)]
-fn eclss_frame(simulator: &mut Simulator<'_>) -> Health {
-    black_box(simulator.step())
+fn eclss_frame(step: impl FnOnce() -> Health) -> Health {
+    black_box(step())
 }

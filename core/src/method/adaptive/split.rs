@@ -331,20 +331,29 @@ impl Sources<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "the body of the loop over nodes")]
     fn gather(&self, ends: &[End]) -> [f32; 3] {
-        let [mut net, mut lost, mut sum] = [0.0; 3];
-        for &end in ends {
-            let [moved, conductance] = self.passed.get((end / 2) as usize).copied().unwrap_or([0.0; 2]);
-            let is_outlet = end % 2;
-            let [transfer, conductance] = if conductance < 0.0 {
-                self.of_special(moved, is_outlet)
-            } else {
-                // Taken at the inlet, given at the outlet.
-                [f32::from_bits(moved.to_bits() ^ ((is_outlet ^ 1) << 31)), conductance]
-            };
+        let Some((&first, rest)) = ends.split_first() else { return [0.0; 3] };
+        let Some([transfer, mut sum]) = self.at(first) else { return [0.0; 3] };
+        // Nothing is lost of the first.
+        let (mut net, mut lost) = (0.0 + transfer, 0.0);
+        for &end in rest {
+            let Some([transfer, conductance]) = self.at(end) else { break };
             math::compensated_add(&mut net, &mut lost, transfer);
             sum += conductance;
         }
         [net, lost, sum]
+    }
+
+    /// What one end of a line means for its node.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "the body of the loop over nodes")]
+    fn at(&self, end: End) -> Option<Transfer> {
+        let &[moved, conductance] = self.passed.get((end / 2) as usize)?;
+        let is_outlet = end % 2;
+        if conductance.is_sign_negative() {
+            return Some(self.of_special(moved, is_outlet));
+        }
+        // Taken at the inlet, given at the outlet.
+        Some([f32::from_bits(moved.to_bits() ^ ((is_outlet ^ 1) << 31)), conductance])
     }
 
     #[inline(never)]
