@@ -22,38 +22,46 @@ pub(super) fn fits(plan: &Plan<'_>) -> bool {
 pub(super) fn solve(plan: &Plan<'_>, work: &mut Work<'_>) {
     let first = plan.leaves.len();
     let rows = plan.order.get(first..).unwrap_or(&[]);
-    let mut shares = [[0.0f32; ROWS]; ROWS];
-    let mut swept = [[0.0f32; 2]; ROWS];
-    for (place, &node) in rows.iter().enumerate().take(ROWS) {
-        let mut dense = [0.0f32; ROWS];
+    let mut dense = [[0.0f32; ROWS]; ROWS];
+    // What a row holds and what it knows, side by side.
+    let mut own = [[0.0f32; 2]; ROWS];
+    for ((dense, own), &node) in dense.iter_mut().zip(&mut own).zip(rows) {
         let held = at(work.excess, node);
         let start = Row { held, known: at(work.known, node), diagonal: held };
         let terms = plan.terms_of(node);
-        let gathered =
-            gather::<false, true>(terms, start, work.ports, work.swept, (&mut dense, first as u32));
-        let Row { mut held, mut known, .. } = gathered;
-        for (earlier, (theirs, [share, increment])) in shares.iter().zip(&swept).enumerate().take(place) {
-            let exchange = dense.get(earlier).copied().unwrap_or(0.0);
-            held += exchange * share;
-            known += exchange * increment;
-            dense = math::each(&dense, theirs, |own, share| own + exchange * share);
+        let gathered = gather::<false, true>(terms, start, work.ports, work.swept, (dense, first as u32));
+        *own = [gathered.held, gathered.known];
+    }
+    // A row that is done goes into all later ones at once: none of these waits for another.
+    let mut rest = (dense.as_mut_slice(), own.as_mut_slice());
+    for place in 0..rows.len() {
+        let (Some((dense, later_rows)), Some((own, later_own))) =
+            (rest.0.split_first_mut(), rest.1.split_first_mut())
+        else {
+            break;
+        };
+        if let Some(done) = dense.get_mut(..=place) {
+            done.fill(0.0);
         }
-        let mut later = [0.0f32; ROWS];
-        for (column, (later, own)) in later.iter_mut().zip(&dense).enumerate() {
-            *later = if column > place { *own } else { 0.0 };
-        }
-        let exchanged = later.iter().fold(0.0, |sum, later| sum + later);
+        let exchanged =
+            dense.get(place + 1..rows.len()).unwrap_or(&[]).iter().fold(0.0, |sum, later| sum + later);
+        let [held, known] = *own;
         let reciprocal = 1.0 / (held + exchanged);
-        if let (Some(shares), Some(swept)) = (shares.get_mut(place), swept.get_mut(place)) {
-            *shares = later.map(|later| if later > 0.0 { later * reciprocal } else { 0.0 });
-            *swept = [held * reciprocal, known * reciprocal];
+        *dense = dense.map(|later| if later > 0.0 { later * reciprocal } else { 0.0 });
+        *own = [held * reciprocal, known * reciprocal];
+        let behind = rows.len() - place - 1;
+        for (row, sums) in later_rows.iter_mut().zip(later_own.iter_mut()).take(behind) {
+            let exchange = row.get(place).copied().unwrap_or(0.0);
+            *sums = math::each(sums, own, |sum, own| sum + exchange * own);
+            *row = math::each(row, dense, |own, share| own + exchange * share);
         }
+        rest = (later_rows, later_own);
     }
     let mut changes = [0.0f32; ROWS];
-    let solved = shares.iter().zip(&swept).zip(rows).enumerate();
-    for (place, ((shares, [_, increment]), &node)) in solved.rev() {
+    for (place, ((shares, [_, increment]), &node)) in dense.iter().zip(&own).zip(rows).enumerate().rev() {
         let parts = math::each(shares, &changes, |share, change| share * change);
-        let sum = parts.iter().fold(*increment, |sum, part| sum + part);
+        let behind = parts.get(place + 1..rows.len()).unwrap_or(&[]);
+        let sum = behind.iter().fold(*increment, |sum, part| sum + part);
         if let (Some(own), Some(change)) = (changes.get_mut(place), work.change.get_mut(node as usize)) {
             (*own, *change) = (sum, sum);
         }
