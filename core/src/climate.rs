@@ -136,9 +136,9 @@ impl Climate<'_> {
     }
 
     /// The most by which it may rise more than Rg·T/V of the description says, with the gas constant of what comes
-    /// (nitrogen's is 1.034 of dry air's) and the highest temperature at which a run is trusted [1]; 1 without a climate.
+    /// (nitrogen's is 1.034 of dry air's) and the highest temperature that is followed [1]; 1 without a climate.
     pub(crate) fn stiffening(&self, node: &Node) -> f32 {
-        let hottest = self.reference_k + step::THETA_LIMIT_K;
+        let hottest = volume::MOST_K;
         if self.is_none() { 1.0 } else { self.isentropic(node) * 1.034 * hottest / node.temperature_k }
     }
 

@@ -62,7 +62,7 @@ pub use operator::{Margin, Proof};
 pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
 pub use simulator::{
-    BuildError, CheckpointError, Compiled, CompiledSimulator, Fault, Health, InputError, LiveInput, Place,
-    Settings, Simulator, SplitSimulator,
+    BuildError, CheckpointError, Compiled, CompiledSimulator, Excursion, Fault, Health, InputError,
+    LiveInput, Place, Settings, Simulator, SplitSimulator, Strayed,
 };
 pub use storage::{Buffers, Sizes, Storage};

@@ -141,6 +141,14 @@ pub enum NetworkError {
     Plan(PlanError),
 }
 
+impl<E> Network<'_, E> {
+    /// Reference pressure over which a flow method judges vacuum [Pa]: a climate replaces the pressures of its volumes by
+    /// its own after the step and judges those.
+    pub(crate) fn judged_reference_pa(&self) -> f32 {
+        if self.climate.is_none() { self.reference_pa } else { f32::INFINITY }
+    }
+}
+
 impl<E: Element> Network<'_, E> {
     /// Finds the first thing wrong with the description.
     pub fn check(&self) -> Result<(), NetworkError> {

@@ -2,6 +2,7 @@
 
 mod checkpoint;
 mod compiled;
+mod excursion;
 mod health;
 mod live;
 mod read;
@@ -10,6 +11,7 @@ mod split;
 
 pub use checkpoint::CheckpointError;
 pub use compiled::{Compiled, CompiledSimulator};
+pub use excursion::{Excursion, Strayed};
 pub use health::{Fault, Health, Place};
 pub use live::{InputError, LiveInput};
 pub use split::SplitSimulator;

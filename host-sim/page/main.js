@@ -117,6 +117,18 @@ function unitOf(built, value, rho) {
   return unitFor(value.id, value.unit, inlet === undefined ? undefined : rho(inlet));
 }
 
+/** What makes figures of a node doubtful though the run goes on, in words. */
+function doubtful(built, { figures: f }) {
+  const node = built.network.nodes[f.warned_node];
+  return node && f.warning ? `${node.id}: ${f.warning}` : "";
+}
+
+/** Where a run left its range and what did, in words. */
+function wrong(built, { figures: f }) {
+  const place = f.fault_node !== null ? built.network.nodes[f.fault_node] : built.network.lines[f.fault_line];
+  return place && f.fault ? `: ${place.id}, ${f.fault}` : "";
+}
+
 function figures(built, frame) {
   const { figures: f } = frame;
   const us = (number) => `${show(number, number < 10 ? 2 : 0)} µs`;
@@ -129,6 +141,7 @@ function figures(built, frame) {
     ["Step, 99 %", us(f.p99_us)], ["Step, worst", us(f.worst_us)],
     ["φ now", show(f.phi, 4)], ["φ_min", show(f.phi_worst, 4)], ["Ledger lacks", closure],
     ["State", f.trusted ? "trusted" : "left its range", !f.trusted],
+    ["Doubtful", doubtful(built, frame) || "–", Boolean(f.warning)],
     ["Frames dropped", String(frame.missed)], ["Updates", `${show(built.rate, 1)} /s`],
   ];
   writeAll(element("figures"), lines);
@@ -169,8 +182,11 @@ function onFrame(frame) {
     built.tabled = now;
     table(built, frame);
   }
-  if (!frame.figures.trusted && built.trusted !== false) say("the run left its range and is no longer trusted");
+  if (!frame.figures.trusted && built.trusted !== false) say(`the run left its range and is no longer trusted${wrong(built, frame)}`);
   built.trusted = frame.figures.trusted;
+  const warning = doubtful(built, frame);
+  if (warning && warning !== built.warning) say(warning);
+  built.warning = warning;
 }
 
 async function onLink(live, known) {

@@ -182,12 +182,12 @@ impl Trace {
         let rows = self.values.chunks(self.columns.len().max(1));
         for (time_us, row) in self.times_us.iter().zip(rows) {
             write!(out, "{}.{:06}", time_us / 1_000_000, time_us % 1_000_000)?;
-            for (column, value) in self.columns.iter().zip(row) {
-                // Not every method has a bound.
-                if column.figure == Figure::SpectralBound && value.is_nan() {
-                    write!(out, ",")?;
-                } else {
+            for value in row {
+                // What is no number stays empty: not every method has a bound, and a run may end with such a value.
+                if value.is_finite() {
                     write!(out, ",{value}")?;
+                } else {
+                    write!(out, ",")?;
                 }
             }
             writeln!(out)?;

@@ -43,11 +43,22 @@ pub enum Limit {
     StationOxygen,
     /// Ventilation too weak for one well-mixed volume: all readings are means that nobody breathes.
     NotMixed,
+    /// Temperature held at an end of the range that is followed; the energy goes on counting.
+    Held,
+    /// More than [`FOGGED`] of saturation: fog.
+    Fog,
+    /// A volume of air of which next to nothing is left.
+    Vacuum,
+    /// Water as coolant below 0 °C: it would freeze, here it goes on flowing.
+    Ice,
 }
+
+/// Relative humidity above which a volume counts as fogged [1]: saturation, and what one step may bring.
+pub const FOGGED: f32 = 1.02;
 
 impl Limit {
     /// All limits, in the order of the bits of [`Broken`].
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 16] = [
         Self::CarbonDioxideHour,
         Self::CarbonDioxideOffNominal,
         Self::CarbonDioxideEmergency,
@@ -60,6 +71,10 @@ impl Limit {
         Self::StationPressure,
         Self::StationOxygen,
         Self::NotMixed,
+        Self::Held,
+        Self::Fog,
+        Self::Vacuum,
+        Self::Ice,
     ];
 
     /// What it says, for people.
@@ -77,6 +92,10 @@ impl Limit {
             Self::StationPressure => "total pressure outside 97.9–102.7 kPa (unverified limit)",
             Self::StationOxygen => "oxygen outside 19.5–23.1 kPa (unverified limit)",
             Self::NotMixed => "ventilation too weak for one well-mixed volume",
+            Self::Held => "temperature held at 50 or 395 K, the ends of what is followed",
+            Self::Fog => "relative humidity over 102 %: fog",
+            Self::Vacuum => "next to nothing left of its air",
+            Self::Ice => "water as coolant below 0 °C: it would freeze",
         }
     }
 }
@@ -97,7 +116,7 @@ impl Broken {
         self.0 == 0
     }
 
-    fn set(&mut self, limit: Limit, broken: bool) {
+    pub(super) fn set(&mut self, limit: Limit, broken: bool) {
         self.0 |= u32::from(broken) << limit as u32;
     }
 }

@@ -2,8 +2,12 @@
 
 use super::buffers::Seen;
 use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, TRACE, VAPOUR};
-use super::volume::{Contents, ENERGY};
+use super::monitor::{Broken, FOGGED, Limit};
+use super::step::LEAST_FRACTION;
+use super::volume::{self, Contents, ENERGY};
 use super::{Climate, ExchangerReadings, Readings, condenser::CELLS};
+use crate::moist;
+use crate::simulator::{Excursion, Strayed};
 
 /// One ledger: what the network holds beyond its start, and what came from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +54,54 @@ impl<'o, 'n> Observed<'o, 'n> {
     /// Temperature of a volume [K].
     pub(crate) fn temperature_k(&self, node: usize) -> Option<f32> {
         self.seen.figures.get(node).map(|[theta, ..]| self.climate.reference_k + theta)
+    }
+
+    /// What of a volume left its range, if something did.
+    pub(crate) fn excursion(&self, node: usize) -> Option<Excursion> {
+        let volume = self.climate.volumes.get(node)?;
+        let (figures, fractions) = (self.seen.figures.get(node)?, self.seen.fractions.get(node)?);
+        let [theta, _, mass, ..] = *figures;
+        let theta_range = [volume::LEAST_K, volume::MOST_K];
+        if theta.is_nan() {
+            let value = self.climate.reference_k + theta;
+            return Some(Excursion { quantity: Strayed::Temperature, value, range: theta_range });
+        }
+        if !(f32::MIN_POSITIVE..=f32::MAX).contains(&mass) {
+            return Some(Excursion { quantity: Strayed::Mass, value: mass, range: [0.0, f32::INFINITY] });
+        }
+        let (part, least) = (0u32..).zip(fractions).min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let value = least * mass;
+        let range = [0.0, f32::INFINITY];
+        (value < -LEAST_FRACTION * volume.start_kg).then_some(Excursion {
+            quantity: Strayed::Part(part),
+            value,
+            range,
+        })
+    }
+
+    /// What makes the figures of a volume doubtful, whoever is there: held temperature, fog, vacuum, ice.
+    pub(crate) fn warnings(&self, node: usize) -> Broken {
+        let mut broken = Broken::default();
+        let (Some(volume), Some([_, _, mass, ..])) =
+            (self.climate.volumes.get(node), self.seen.figures.get(node))
+        else {
+            return broken;
+        };
+        // A held temperature is the limit, but for rounding.
+        let inside = volume::LEAST_K + 1e-3..volume::MOST_K - 1e-3;
+        broken.set(Limit::Held, self.temperature_k(node).is_some_and(|kelvin| !inside.contains(&kelvin)));
+        if volume.contents == Contents::Coolant {
+            // A coolant with the specific heat of water is taken for water.
+            let [heat, ..] = self.climate.coolant.flowing_j_kg_k;
+            let water = (moist::LIQUID_HEAT_J_KG_K - 1.0..moist::LIQUID_HEAT_J_KG_K + 1.0).contains(&heat);
+            let cold = self.temperature_k(node).is_some_and(|kelvin| kelvin < moist::ZERO_CELSIUS_K);
+            broken.set(Limit::Ice, water && cold);
+        }
+        if let Some(air) = self.air(node) {
+            broken.set(Limit::Fog, air.relative_humidity > FOGGED);
+            broken.set(Limit::Vacuum, *mass <= 1.01 * volume::THIN * volume.start_kg);
+        }
+        broken
     }
 
     /// Storage factor φ of a volume's masses and energy in the last step [1].

@@ -8,16 +8,14 @@ use super::volume::{self, Constants, Held};
 use super::{Climate, ControlLoop, Measure, density};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
-use crate::simulator::Place;
+use crate::simulator::{Fault, Place};
 use crate::unroll::every;
 use crate::{Network, math};
 
 /// Copies of the inputs, one for each stage time of a method.
 const STAGES: usize = 3;
-/// Largest deviation of a temperature from the reference at which a run is trusted [K].
-pub(super) const THETA_LIMIT_K: f32 = 100.0;
-/// How far rounding may take a mass fraction below 0 [1].
-const LEAST_FRACTION: f32 = 1e-6;
+/// How far rounding may take a part below 0, by what the volume held at the start [1].
+pub(super) const LEAST_FRACTION: f32 = 1e-6;
 
 /// Present value of input `slot`.
 #[inline]
@@ -204,14 +202,18 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         let mut held = Held { value, carry, owed, owed_carry, net, lost, fractions, figures, start };
         let slowed = flow(index, None);
         let pressure = constants(network, index).and_then(|constants| constants.update(&mut held, slowed));
-        if pressure.is_some() {
+        let mut outside = false;
+        if let Some(gauge_pa) = pressure {
             flow(index, pressure);
+            outside = Fault::outside(gauge_pa, network.reference_pa);
         }
         let [theta, _, mass, ..] = *held.figures;
         // No part can be taken out that is not there.
         let least = held.fractions.iter().fold(0.0, |least, part| math::smaller(least, *part));
-        if least < -LEAST_FRACTION
-            || math::beyond(theta, THETA_LIMIT_K)
+        let start_kg = climate.volumes.get(index).map_or(0.0, |volume| volume.start_kg);
+        if least * mass < -LEAST_FRACTION * start_kg
+            || theta.is_nan()
+            || outside
             || !(f32::MIN_POSITIVE..=f32::MAX).contains(&mass)
         {
             place = place.or(Some(Place::Node(index as u32)));

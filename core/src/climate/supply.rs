@@ -10,6 +10,9 @@ use super::{Climate, Remover};
 use crate::unroll::every;
 use crate::{Network, NodeKind, math};
 
+/// Least `c_v` of a part of air [J/(kg·K)], that of carbon dioxide and oxygen.
+const LEAST_HEAT_J_KG_K: f32 = 650.0;
+
 /// Crew, sources, removal and free water. What comes in has the temperature of its volume.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
@@ -40,7 +43,7 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
     given.book(state, work);
     every!(UNROLL, climate.volumes.iter().enumerate(), (node, volume) => {
         let held = network.nodes.get(node).is_some_and(|node| node.kind == NodeKind::Boundary);
-        let wets = volume.contents == Contents::Air && volume.surface_kg_s_pa > 0.0 && !held;
+        let wets = volume.contents == Contents::Air && !held;
         if let (true, Some(figures), Some(fractions)) = (wets, work.figures.get(node), work.fractions.get(node)) {
             let vapour = volume::evaporated_kg(volume, figures, fractions, &climate.air, climate.reference_k, at.step_s);
             work.books.add(node, [VAPOUR, LIQUID], [vapour, -vapour]);
@@ -152,12 +155,14 @@ pub(super) fn pass_walls<const UNROLL: bool>(
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
+    let most_w_kg_k = LEAST_HEAT_J_KG_K / at.step_s;
     every!(UNROLL, climate.walls.iter().zip(state.walls.iter_mut()), (wall, [energy, carry]) => {
         let node = wall.node as usize;
-        let air = work.figures.get(node).map_or(0.0, |[theta, ..]| *theta);
+        let (air, mass) = work.figures.get(node).map_or((0.0, 0.0), |[theta, _, mass, ..]| (*theta, *mass));
         let theta = (wall.start_k - climate.reference_k) + *energy / wall.capacity_j_k;
         let outside = input(at.inputs, wall.first_input) - climate.reference_k;
-        let inner = wall.inner_w_k * (air - theta) * at.step_s;
+        // What is left of a volume that blows down must not pass the wall's temperature within a step.
+        let inner = math::smaller(wall.inner_w_k, most_w_kg_k * mass) * (air - theta) * at.step_s;
         let outer = wall.outer_w_k * (outside - theta) * at.step_s;
         math::compensated_add(energy, carry, inner);
         math::compensated_add(energy, carry, outer);

@@ -14,6 +14,11 @@
 //! the flow method's own φ says: pressure then moves as that method expects. What is not stored is booked as owed; φ is
 //! shown.
 //!
+//! Temperatures are followed from [`LEAST_K`] to [`MOST_K`]. Beyond, the temperature is held at the end of that band and the
+//! energy goes on counting, as boiling or frosting would hold it: the books stay closed, the volume comes back into the
+//! band by the heat that took it out, and [`Readings::held`] and the limit monitor say so meanwhile. A volume of which
+//! less than [`THIN`] of its start is left is a vacuum: figures per mass are those of [`THIN`].
+//!
 //! Valid while the volume is mixed: [`Readings::mixed`] says when it no longer is.
 
 use super::medium::{LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
@@ -46,8 +51,8 @@ pub struct Volume {
     /// Longest time in which ventilation turns the volume over while it still counts as mixed [s]; > 0, infinite for
     /// one that is always mixed.
     pub mixing_limit_s: f32,
-    /// How fast free water evaporates, and vapour above saturation condenses, per pressure difference [kg/(s·Pa)];
-    /// finite and ≥ 0.
+    /// How fast free water evaporates per pressure difference [kg/(s·Pa)]; finite and ≥ 0. Vapour above saturation
+    /// condenses at once.
     pub surface_kg_s_pa: f32,
 }
 
@@ -87,6 +92,17 @@ impl Volume {
 /// Largest ratio of specific heats of what flows, that of nitrogen and oxygen: what passes carries `c_p`·θ, what rests
 /// holds `c_v`·θ.
 pub(super) const GAMMA: f32 = 1.4;
+/// Lowest temperature that is followed [K]: where air that blows down to vacuum without heat from anywhere (at 200 Pa,
+/// from a cabin at 295 K) begins to turn into nitrogen and oxygen snow; ideal gas up to there, its `c_p` within 1 %.
+pub const LEAST_K: f32 = 50.0;
+/// Highest temperature that is followed [K]: 122 °C; water as a coolant boils there at 2.1 bar; `c_p` of air rises by 1.5 %.
+pub const MOST_K: f32 = 395.15;
+/// Share of what a volume of air held at its start below which it counts as empty [1]: there the rounding of what left
+/// reaches a percent of what is left.
+pub const THIN: f32 = 1e-5;
+/// What condenses within one step per pressure above saturation, before the air warms by it [kg/Pa]: so much that every
+/// volume ends the step at saturation.
+const FOG_KG_PA: f32 = 1.0;
 /// Figures that a volume stores: masses of all parts, energy, and one that stays 0, so that rows fill whole vectors.
 pub(super) const STORED: usize = PARTS + 2;
 /// Place of the energy among them.
@@ -210,6 +226,7 @@ impl Constants<'_> {
             let [change, ..] = *held.value;
             *mass = self.volume.start_kg + change;
             let rise = (held.value[ENERGY] - heat * change * start_theta) / (heat * *mass);
+            let rise = self.followed(rise);
             *theta = start_theta + rise;
             let expanded = change + self.medium.expansion_1_k * (*mass * rise);
             let gauge = self.node.start_gauge_pa + self.node.pressure_per_mass_pa_kg() * expanded;
@@ -225,8 +242,11 @@ impl Constants<'_> {
         // What lies free does not flow: fractions count per mass of what does.
         let [nitrogen, oxygen, carbon_dioxide, vapour, trace, _] = masses;
         let sum = ((nitrogen + oxygen) + (carbon_dioxide + vapour)) + trace;
-        *mass = sum;
-        let per_mass = 1.0 / sum;
+        // A volume that has been emptied is filled up with as much nitrogen as rounding may have taken too much.
+        let floor = THIN * self.volume.start_kg;
+        *mass = math::larger(floor, sum);
+        masses[NITROGEN] += *mass - sum;
+        let per_mass = 1.0 / *mass;
         for (fraction, mass) in held.fractions.iter_mut().zip(&masses) {
             *fraction = *mass * per_mass;
         }
@@ -234,14 +254,25 @@ impl Constants<'_> {
         let [start_capacity, start_gas] = *held.start;
         let grown = dot(&change, &medium.resting_j_kg_k);
         let offset = dot(&change, &medium.offset_j_kg);
-        let rise = (energy + (offset - grown * start_theta)) / (start_capacity + grown);
+        let capacity = math::larger(THIN * start_capacity, start_capacity + grown);
+        let rise = (energy + (offset - grown * start_theta)) / capacity;
+        let rise = self.followed(rise);
         *theta = start_theta + rise;
         let NodeKind::Cabin { volume_m3 } = self.node.kind else { return None };
         let gas_change = dot(&change, &medium.gas_j_kg_k);
         let swing = (gas_change * self.node.temperature_k + (start_gas + gas_change) * rise) / volume_m3;
-        let gauge = self.node.start_gauge_pa + swing;
+        // Near vacuum the swing's rounding is more than what is left.
+        let gauge = math::larger(-self.reference_pa, self.node.start_gauge_pa + swing);
         *pressure = self.reference_pa + gauge;
         Some(gauge)
+    }
+
+    /// A rise of temperature over the start [K], held where it would leave the band that is followed; NaN stays NaN.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "the body of the loop over volumes")]
+    fn followed(&self, rise: f32) -> f32 {
+        let start = self.node.temperature_k;
+        math::smaller(MOST_K - start, math::larger(LEAST_K - start, rise))
     }
 }
 
@@ -280,7 +311,8 @@ fn store_part(held: &mut Held<'_>, stored: &Stored) {
     }
 }
 
-/// Vapour that free water gives to the air within `step_s` [kg]; negative where vapour above saturation condenses.
+/// Vapour that free water gives to the air within `step_s` [kg]; negative where vapour condenses. Above saturation it
+/// becomes fog at once (droplets take seconds, less than volumes do), which counts as free water.
 #[inline]
 pub(super) fn evaporated_kg(
     volume: &Volume,
@@ -303,7 +335,7 @@ pub(super) fn evaporated_kg(
     let per_kg = (gas * pressure / dot(fractions, &medium.gas_j_kg_k)
         + saturation * cooled * latent / (temperature * heat))
         / mass;
-    let rate = volume.surface_kg_s_pa * step_s;
+    let rate = if vapour > saturation { FOG_KG_PA } else { volume.surface_kg_s_pa * step_s };
     math::smaller(rate * (saturation - vapour) / (1.0 + rate * per_kg), mass * fractions[LIQUID])
 }
 

@@ -180,14 +180,14 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     }
     let mut watch = Watch::NOTHING;
     step_lines(h, network.lines, &mut state, &mut work, &mut watch);
-    let range = Range::of(network.reference_pa);
+    let range = Range::of(network.judged_reference_pa());
     // A loop that stands alone has all registers of a small processor; a description that the compiler knows is
     // better off without the call.
     let step_nodes = if UNROLL { step_nodes } else { step_nodes_alone };
     watch = step_nodes(range, state.nodes, work.nodes, watch);
     (
         Margin::by_construction(watch.smallest_phi()),
-        outside(watch, network.reference_pa, state.lines, work.nodes),
+        outside(watch, network.judged_reference_pa(), state.lines, work.nodes),
     )
 }
 

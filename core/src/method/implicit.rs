@@ -388,6 +388,7 @@ fn move_nodes<E, const UNROLL: bool>(
     work: &mut Work<'_>,
 ) -> bool {
     let (passed, delta, mut beyond) = (&*work.passed, &*work.delta, false);
+    let reference_pa = network.judged_reference_pa();
     // By index, which a compiler that knows the description resolves.
     every!(UNROLL, 0..network.nodes.len(), index => {
         if let (Some(node), Some([mass, carry, ..]), Some(junction), Some(pressure)) = (
@@ -408,7 +409,7 @@ fn move_nodes<E, const UNROLL: bool>(
             } else {
                 node.start_gauge_pa + at(work.per_mass, index as u32) * sum
             };
-            beyond |= Fault::outside(*pressure, network.reference_pa);
+            beyond |= Fault::outside(*pressure, reference_pa);
         }
     });
     beyond
@@ -423,6 +424,7 @@ fn first_outside<E>(network: &Network<'_, E>, flow: &[f32], pressure: &[f32]) ->
     };
     let line = network.lines.iter().position(wild).map(|index| Place::Line(index as u32));
     let nodes = pressure.get(..network.nodes.len()).unwrap_or(&[]);
-    let node = || nodes.iter().position(|gauge| Fault::outside(*gauge, network.reference_pa));
+    let reference_pa = network.judged_reference_pa();
+    let node = || nodes.iter().position(|gauge| Fault::outside(*gauge, reference_pa));
     line.or_else(|| node().map(|index| Place::Node(index as u32)))
 }

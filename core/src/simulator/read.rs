@@ -1,6 +1,7 @@
 //! What a simulator answers: counters, pressures, flows, ledgers, and the hash of its state.
 
-use super::{Health, Settings, Simulator};
+use super::{Excursion, Health, Settings, Simulator};
+use crate::climate::monitor::{Broken, Limit};
 use crate::climate::{self, ExchangerReadings, Ledger, Measure, Readings};
 use crate::element::Element;
 use crate::method::observe::Observer;
@@ -150,6 +151,29 @@ impl<'a, E: Element> Simulator<'a, E> {
     pub fn node_temperature_k(&self, node: usize) -> f32 {
         let fixed = || self.network.nodes.get(node).map(|node| node.temperature_k);
         self.climate().temperature_k(node).or_else(fixed).unwrap_or(f32::NAN)
+    }
+
+    /// What of the climate's node `node` left its range, if something did.
+    pub(super) fn climate_excursion(&self, node: usize) -> Option<Excursion> {
+        self.climate().excursion(node)
+    }
+
+    /// What makes the figures of node `node` doubtful: [`Limit::Held`], [`Limit::Fog`], [`Limit::Vacuum`],
+    /// [`Limit::Ice`]. None without a climate.
+    ///
+    /// [`Limit::Held`]: crate::climate::monitor::Limit::Held
+    /// [`Limit::Fog`]: crate::climate::monitor::Limit::Fog
+    /// [`Limit::Vacuum`]: crate::climate::monitor::Limit::Vacuum
+    /// [`Limit::Ice`]: crate::climate::monitor::Limit::Ice
+    pub fn warnings(&self, node: usize) -> Broken {
+        self.climate().warnings(node)
+    }
+
+    /// The first node of which something is doubtful, and what.
+    pub fn first_warning(&self) -> Option<(usize, Limit)> {
+        let climate = self.climate();
+        let of = |node| Limit::ALL.into_iter().find(|limit| climate.warnings(node).has(*limit));
+        (0..self.network.climate.volumes.len()).find_map(|node| of(node).map(|limit| (node, limit)))
     }
 
     /// What exchanger `index` of the climate shows.

@@ -112,7 +112,7 @@ fn figures(moment: &Moment) -> Figures {
             Place::Line(line) => (None, Some(line)),
         },
     };
-    Figures {
+    let mut figures = Figures {
         tick: moment.steps,
         t_s: moment.t_s,
         paused: moment.mode == Mode::Hold,
@@ -125,8 +125,11 @@ fn figures(moment: &Moment) -> Figures {
         trusted: moment.health == Health::Trusted,
         fault_node,
         fault_line,
+        fault: moment.excursion,
         ..Figures::default()
-    }
+    };
+    figures.warn(moment.warning);
+    figures
 }
 
 fn fill(hardware: &mut Hardware, moment: &Moment) {

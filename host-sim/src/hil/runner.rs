@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
 use eclss_core::protocol::{Estimate, Link as Session, Role};
-use eclss_core::{Settings, Simulator};
+use eclss_core::{Excursion, Health, Place, Settings, Simulator};
 use eclss_target::control::{self, Event};
 use eclss_target::coupling::{Coupling, LinkReport};
 use eclss_target::plant::Plant as _;
@@ -115,6 +115,8 @@ struct Outcome {
     missing: Vec<String>,
     measured: Measured,
     state_hash: u64,
+    /// Where the plant left its range and what did, if it stands there at the end.
+    strayed: Option<(Place, Excursion)>,
     plant_ticks: u64,
     dropped: u32,
     link: Option<LinkReport>,
@@ -281,6 +283,10 @@ fn in_thread(
     Ok(Outcome {
         missing: missing.iter().map(ToString::to_string).collect(),
         state_hash: plant.state_hash(),
+        strayed: match simulator.health() {
+            Health::Trusted => None,
+            Health::Faulted(fault) => simulator.excursion().map(|what| (fault.place, what)),
+        },
         plant_ticks: simulator.tick(),
         dropped: tap.borrow().dropped(),
         link: coupling.link_report(),

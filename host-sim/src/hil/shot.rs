@@ -1,9 +1,10 @@
 //! What a page shows of the loop: a few buffers that go back and forth, without locks and without taking memory.
 
+use eclss_core::climate::monitor::Limit;
 use eclss_core::mode::{Cause, Machine, Mode};
 use eclss_core::process::{InputState, OutputState, Quality};
 use eclss_core::protocol::Estimate;
-use eclss_core::{Health, Simulator};
+use eclss_core::{Excursion, Health, Simulator};
 use eclss_network_file::Loaded;
 use eclss_target::account::Account;
 use eclss_target::coupling::{Coupling, LinkReport};
@@ -41,6 +42,10 @@ pub struct Moment {
     pub closure: f64,
     /// Whether the run may be trusted.
     pub health: Health,
+    /// What left its range, if something did.
+    pub excursion: Option<Excursion>,
+    /// The first node of which something is doubtful, and what.
+    pub warning: Option<(usize, Limit)>,
     /// Shots that found no buffer.
     pub dropped: u32,
 }
@@ -73,6 +78,8 @@ impl Shot {
             phi: [f32::NAN; 2],
             closure: f64::NAN,
             health: Health::Trusted,
+            excursion: None,
+            warning: None,
             dropped: 0,
         };
         Self {
@@ -148,7 +155,8 @@ impl Camera {
         (moment.steps, moment.t_s) = (simulator.tick(), simulator.time_us() as f64 * 1e-6);
         moment.phi = [simulator.margin().phi, simulator.worst_margin().phi];
         moment.closure = self.ledger.read(simulator);
-        moment.health = simulator.health();
+        (moment.health, moment.excursion) = (simulator.health(), simulator.excursion());
+        moment.warning = simulator.first_warning();
     }
 
     /// Takes note of how long a tick took.

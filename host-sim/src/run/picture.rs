@@ -3,7 +3,7 @@
 use eclss_core::climate::medium;
 use eclss_network_file::{AirFigure, ExchangerFigure, Quantity};
 
-use super::RunReport;
+use super::{Diverged, RunReport};
 use crate::plot::style::CYCLE;
 use crate::plot::{Axis, Curve, Dash, Figure as Plot, Panel, thin};
 use crate::trace::{Figure, Trace};
@@ -179,7 +179,8 @@ pub fn picture(report: &RunReport, trace: &Trace) -> String {
             .push("Transients of this method are pseudo-time, not physics; its states of rest are.".into());
     }
     if let Some(diverged) = &report.diverged {
-        remarks.push(format!("Diverged at {} s in {} `{}`.", diverged.t_s, diverged.kind, diverged.id));
+        let Diverged { t_s, kind, id, what, .. } = diverged;
+        remarks.push(format!("Diverged at {t_s} s in {kind} `{id}`: {what}."));
     }
     let title = format!("{}: {} at {} ms", report.network, report.method, report.step_s * 1e3);
     Plot { title, panels, columns: 2, panel_size: (520, 340), remarks }.svg()

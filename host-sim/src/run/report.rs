@@ -47,7 +47,7 @@ pub struct RunReport {
     pub at: Vec<Snapshot>,
     /// Where the run ended.
     pub end: End,
-    /// Limits of cabin air that were broken where there is a crew.
+    /// Limits of cabin air that were broken where there is a crew, and what makes the figures of any volume doubtful.
     pub breaches: Vec<Breach>,
     /// The node that `adaptive` slowed most, where that bends transients; `null` where it hardly slowed any.
     pub slowed: Option<Slowed>,
@@ -154,6 +154,8 @@ pub struct Diverged {
     pub id: String,
     /// Element that carries the line's flow, where the fault is in a line.
     pub element: Option<String>,
+    /// What left its range, its value and the range, in words.
+    pub what: String,
 }
 
 /// What is to be known of `short step` wherever it is named.
@@ -226,7 +228,9 @@ impl Snapshot {
 }
 
 impl Diverged {
-    fn new(loaded: &Loaded, fault: Fault, step_us: u32) -> Self {
+    fn new(loaded: &Loaded, fault: Fault, simulator: &Simulator<'_>) -> Self {
+        let step_us = simulator.settings().step_us;
+        let what = simulator.excursion().map_or_else(String::new, |what| what.to_string());
         let Names { nodes, lines, segments, .. } = &loaded.names;
         let name = |list: &[String], index: usize| list.get(index).cloned().unwrap_or_default();
         let (kind, id, element) = match fault.place {
@@ -237,7 +241,7 @@ impl Diverged {
                 ("line", name(lines, line as usize), element.map(|place| name(segments, place)))
             }
         };
-        Self { tick: fault.tick, t_s: seconds(fault.tick * u64::from(step_us)), kind, id, element }
+        Self { tick: fault.tick, t_s: seconds(fault.tick * u64::from(step_us)), kind, id, element, what }
     }
 }
 
@@ -280,7 +284,7 @@ impl RunReport {
             slowed: None,
             diverged: match simulator.health() {
                 Health::Trusted => None,
-                Health::Faulted(fault) => Some(Diverged::new(&source.loaded, fault, plan.settings.step_us)),
+                Health::Faulted(fault) => Some(Diverged::new(&source.loaded, fault, simulator)),
             },
         }
     }

@@ -59,8 +59,8 @@ pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> 
         let element = diverged.element.as_ref().map_or(String::new(), |id| format!(" (element `{id}`)"));
         writeln!(
             out,
-            "\nDIVERGED at {} s, step {}: {} `{}`{element} left its range. Nothing after that is reported.",
-            diverged.t_s, diverged.tick, diverged.kind, diverged.id
+            "\nDIVERGED at {} s, step {}: {} `{}`{element} left its range: {}. Nothing after that is reported.",
+            diverged.t_s, diverged.tick, diverged.kind, diverged.id, diverged.what
         )?;
     }
     Ok(())

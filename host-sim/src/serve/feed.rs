@@ -8,6 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use eclss_core::Excursion;
+use eclss_core::climate::monitor::Limit;
+
 /// Commands that wait at most; more are refused, so that nobody fills the plant's memory.
 const COMMANDS: usize = 64;
 
@@ -189,8 +192,31 @@ pub struct Figures {
     pub fault_node: Option<u32>,
     /// See [`Self::fault_node`].
     pub fault_line: Option<u32>,
+    /// What left its range there, its value and the range, in words.
+    #[serde(serialize_with = "in_words")]
+    pub fault: Option<Excursion>,
+    /// Number of the first node of which something is doubtful, though the run goes on.
+    pub warned_node: Option<u32>,
+    /// What, in words.
+    pub warning: Option<&'static str>,
     /// Commands that were refused: out of range, of a scheduled input.
     pub refused: u64,
+}
+
+impl Figures {
+    /// Takes over the first node of which something is doubtful, and what.
+    pub fn warn(&mut self, first: Option<(usize, Limit)>) {
+        (self.warned_node, self.warning) =
+            (first.map(|(node, _)| node as u32), first.map(|(_, limit)| limit.text()));
+    }
+}
+
+#[allow(clippy::ref_option, reason = "the form that serde asks for")]
+fn in_words<S: serde::Serializer>(what: &Option<Excursion>, to: S) -> Result<S::Ok, S::Error> {
+    match what {
+        Some(what) => to.collect_str(what),
+        None => to.serialize_none(),
+    }
 }
 
 /// The loop and its hardware at one moment.

@@ -218,6 +218,8 @@ impl Plant {
                             Place::Line(line) => (None, Some(line)),
                         },
                     };
+                    figures.fault = simulator.excursion();
+                    figures.warn(simulator.first_warning());
                     figures.refused = hand.refused;
                 });
             }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use eclss_core::climate::condenser::Condenser;
 use eclss_core::climate::medium::{self, Medium, PARTS};
 use eclss_core::climate::parts::HEATER_INPUT;
+use eclss_core::climate::volume::MOST_K;
 use eclss_core::climate::{
     Contents, ControlLoop, Crew, Exchanger, Measure, Passage, Remover, Source, Station, Volume, Wall,
 };
@@ -145,8 +146,8 @@ fn volume(node: &NodeEntry, path: &str, notes: &mut Notes) -> Volume {
     if node.kind == NodeEntryKind::Junction {
         notes.refuse_at(path, &["kind"], "with `[air]` a node needs a volume: there is none in a junction");
     }
-    if !(200.0..=400.0).contains(&node.temperature_k) {
-        notes.refuse_at(path, &["temperature_k"], "with `[air]` temperatures lie in 200 … 400 K");
+    if !(200.0..=MOST_K).contains(&(node.temperature_k as f32)) {
+        notes.refuse_at(path, &["temperature_k"], "with `[air]` temperatures start in 200 … 395.15 K");
     }
     Volume {
         contents: if coolant { Contents::Coolant } else { Contents::Air },

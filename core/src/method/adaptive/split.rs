@@ -147,7 +147,8 @@ pub(crate) fn step<E: Element>(
         constants: buffers.constants,
     };
     let sources = Sources { passed: buffers.passed, both_ends: buffers.both_ends };
-    let of_nodes = step_nodes(join, Range::of(network.reference_pa), network.plan.ends, sources, nodes);
+    let of_nodes =
+        step_nodes(join, Range::of(network.judged_reference_pa()), network.plan.ends, sources, nodes);
     let watch = of_lines.with(of_nodes);
     let place = if watch.is_fine() {
         None
@@ -155,7 +156,7 @@ pub(crate) fn step<E: Element>(
         for (figures, pressure) in work.nodes.iter_mut().zip(buffers.pressures.iter()) {
             figures[0] = *pressure;
         }
-        outside(watch, network.reference_pa, state.lines, work.nodes)
+        outside(watch, network.judged_reference_pa(), state.lines, work.nodes)
     };
     (Margin::by_construction(watch.smallest_phi()), place)
 }

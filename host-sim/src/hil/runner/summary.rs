@@ -1,5 +1,6 @@
 //! From what loop and housekeeping leave behind to the report.
 
+use eclss_core::Place;
 use eclss_core::mode::{Cause, Mode};
 use eclss_core::process::{Order as OutputOrder, Process};
 use eclss_target::account::Account;
@@ -94,7 +95,17 @@ pub(super) fn report(source: &Source, job: &Job, outcome: &Outcome, seen: Seen, 
         channels: outcome.channels.clone(),
         loopback: outcome.loopback.clone(),
         mode: seen.mode.name(),
-        cause: seen.cause.map(cause),
+        cause: seen.cause.map(|why| match (why, outcome.strayed) {
+            (Cause::Plant(fault), Some((place, what))) => {
+                let id = match place {
+                    Place::Node(node) => loaded.names.nodes.get(node as usize),
+                    Place::Line(line) => loaded.names.lines.get(line as usize),
+                };
+                let id = id.map_or("?", String::as_str);
+                format!("the plant left its range in step {}: `{id}`: {what}", fault.tick)
+            }
+            _ => cause(why),
+        }),
         state_hash: format!("{:016x}", outcome.state_hash),
         record: seen.record,
         events_lost: outcome.events_lost,
