@@ -120,6 +120,13 @@ pub struct InputSpec {
     pub default: f32,
 }
 
+impl InputSpec {
+    /// Whether its values are whole numbers that stand for something: a fault.
+    pub fn is_code(&self) -> bool {
+        self.name == "fault" || self.name.ends_with("_fault")
+    }
+}
+
 /// Why a parameter was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -69,6 +69,12 @@ pub(crate) fn drive(file: &NetworkFile, slots: &[Slot], notes: &mut Notes) -> Dr
         );
         return driven;
     }
+    for slot in slots.iter().filter(|slot| slot.spec.is_code()) {
+        if let Some(start) = slot.start.filter(|start| libm::rint(*start) != *start) {
+            let reason = format!("`{}` is a code, {start} is no whole number", slot.name);
+            notes.refuse_at(&slot.path, &[slot.spec.name], reason);
+        }
+    }
     let by_name: HashMap<&str, usize> =
         slots.iter().enumerate().map(|(slot, data)| (data.name.as_str(), slot)).collect();
     let mut taken = HashSet::new();
@@ -95,6 +101,14 @@ pub(crate) fn drive(file: &NetworkFile, slots: &[Slot], notes: &mut Notes) -> Dr
         let at_start = points.iter().rev().find(|point| point.time_us == 0).or(points.first());
         if let Some(point) = at_start {
             driven.inputs[slot] = point.value;
+        }
+        let whole = slots[slot].spec.is_code();
+        if whole && entry.interpolation.as_deref() != Some("hold") && entry.points.len() > 1 {
+            let reason = format!(
+                "`{}` is a code, which has no values between two: say `interpolation = \"hold\"`",
+                entry.input
+            );
+            notes.refuse_at(&path, &["interpolation", "input"], reason);
         }
         let interpolation = match entry.interpolation.as_deref() {
             Some("hold") => Interpolation::Hold,
@@ -127,6 +141,9 @@ fn points(pairs: &[(f64, f64)], spec: &InputSpec, path: &str, notes: &mut Notes)
         if !(spec.min..=spec.max).contains(&point.value) {
             let reason = format!("`{}` must lie in {} … {}, not at {value}", spec.name, spec.min, spec.max);
             notes.refuse_at(&place, &[], reason);
+        }
+        if spec.is_code() && libm::rint(value) != value {
+            notes.refuse_at(&place, &[], format!("`{}` is a code, {value} is no whole number", spec.name));
         }
         points.push(point);
     }

@@ -70,6 +70,7 @@ pub use error::{FileError, Problem};
 pub use loaded::{ClimateTables, Loaded, Names, RunDefaults};
 pub use plan::PlanTables;
 pub use process::{InputEntry, OutputEntry, ProcessTables, Scales};
+pub use reason::bound_of_step;
 pub use record::{AirFigure, ExchangerFigure, Quantity, Record};
 pub use unrest::{Places, Unrest, unrest};
 

@@ -1,6 +1,8 @@
 //! The core's errors in the words and at the places of the file.
 
-use eclss_core::climate::ClimateError;
+use eclss_core::climate::condenser::{CELLS, WALL_LOAD_W_K};
+use eclss_core::climate::medium::dot;
+use eclss_core::climate::{ClimateError, Contents};
 use eclss_core::{MethodError, NetworkError, ParameterError, Reason};
 
 use crate::loaded::Loaded;
@@ -64,6 +66,7 @@ pub(crate) fn text(error: ParameterError) -> String {
         Reason::NotFalling => "does not make the head curve fall with flow",
     };
     let reason = match error.parameter {
+        "gain" if error.reason == Reason::NotPositive => "must not be 0",
         "reseat_pa" if error.reason == Reason::OutsideValidity => "must lie below `crack_pa`",
         _ => reason,
     };
@@ -203,8 +206,42 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
     notes.refuse_with(span, reason, help);
 }
 
+/// Names the bound that a step of `step_us` [µs] sets to a wall's or an exchanger's figures, where the core refused one.
+pub fn bound_of_step(loaded: &Loaded, error: &ClimateError, step_us: u32) -> Option<String> {
+    let step_s = f64::from(step_us) * 1e-6;
+    let climate = &loaded.climate;
+    let (parameter, bound) = match *error {
+        ClimateError::Wall(index, error) if error.reason == Reason::OutsideValidity => {
+            let wall = climate.walls.get(index as usize)?;
+            let same = climate.walls.iter().filter(|other| other.node == wall.node);
+            if error.parameter == "capacity_j_k" {
+                let least = step_s * f64::from(wall.inner_w_k + wall.outer_w_k);
+                ("capacity_j_k", format!("must be at least {least:.4} J/K"))
+            } else {
+                let volume = climate.volumes.get(wall.node as usize)?;
+                let medium = if volume.contents == Contents::Air { &climate.air } else { &climate.coolant };
+                let capacity = volume.start_kg * dot(&volume.fractions, &medium.resting_j_kg_k);
+                let (most, walls) = (f64::from(capacity) / step_s, same.count());
+                let all = if walls > 1 {
+                    format!(" of all {walls} walls of its node together")
+                } else {
+                    String::new()
+                };
+                ("inner_w_k", format!("{all} must be at most {most:.4} W/K").trim_start().to_owned())
+            }
+        }
+        ClimateError::Exchanger(_, error) if error.reason == Reason::OutsideValidity => {
+            let least = CELLS as f64 * step_s * f64::from(WALL_LOAD_W_K);
+            ("capacity_j_k", format!("must be at least {least:.4} J/K"))
+        }
+        _ => return None,
+    };
+    Some(format!("`{parameter}` {bound} for a step of {} ms", step_s * 1e3))
+}
+
 /// Ties an error of the climate's check to its place.
 pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
+    let bound = bound_of_step(loaded, &error, loaded.run.step_us);
     let part = |kind: &str, index: u32| format!("{kind}[{index}]");
     let exchanger = |index: u32| {
         let name = loaded.names.exchangers.get(index as usize);
@@ -212,6 +249,13 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
         element_path(loaded, segment as u32)
     };
     let (path, keys, reason): (String, &[&str], String) = match error {
+        ClimateError::Volume(index, ParameterError { parameter: "start_kg", .. }) => (
+            part("node", index),
+            &["pressure_pa", "volume_m3"],
+            "holds nothing at the start: with `[air]` a volume must hold some air, which a network that comes to rest \
+             in vacuum does not leave it"
+                .into(),
+        ),
         ClimateError::Volume(index, error) => {
             (part("node", index), &["volume_m3", "pressure_pa"], text(error))
         }
@@ -237,7 +281,7 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
             "takes out a fixed share; with `[air]` use a condenser or a remover".into(),
         ),
         ClimateError::Exchanger(index, error) => {
-            (exchanger(index), &[error.parameter], format!("{} for this step", text(error)))
+            (exchanger(index), &[error.parameter], bound.unwrap_or_else(|| text(error)))
         }
         ClimateError::ExchangerSides(index) => (
             exchanger(index),
@@ -245,13 +289,13 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
             "needs one side of its own and at most one coolant side, and behind it what it carries".into(),
         ),
         ClimateError::Wall(index, error) => {
-            (part("wall", index), &[error.parameter], format!("{} for this step", text(error)))
+            (part("wall", index), &[error.parameter], bound.unwrap_or_else(|| text(error)))
         }
         ClimateError::Loop(index, error) => (part("control", index), &[error.parameter], text(error)),
         ClimateError::LoopTarget(index) => (
             part("control", index),
             &["drives", "opposite"],
-            "drives what does not exist, or what something else drives already".into(),
+            "measures or drives what does not exist, or what something else drives already".into(),
         ),
         ClimateError::Station(index) => {
             let segment = loaded.climate.stations.get(index as usize).map_or(0, |station| station.segment);

@@ -47,9 +47,9 @@ fn mistakes_are_named_at_their_place() {
             "drives = \"gases.nitrogen\"",
             "drives what does not exist, or what something else",
         ),
-        ("gain = -0.2", "gain = 0.0", "`gain` must be above 0"),
+        ("gain = -0.2", "gain = 0.0", "`gain` must not be 0"),
         ("part = \"carbon_dioxide\"", "part = \"carbon_monoxide\"", "is not a part that exists"),
-        ("capacity_j_k = 1e6", "capacity_j_k = 1e-3", "`capacity_j_k` lies outside the range"),
+        ("capacity_j_k = 1e6", "capacity_j_k = 1e-3", "`capacity_j_k` must be at least"),
         ("method = \"implicit-euler\"", "method = \"relaxation\"", "pseudo-time"),
         ("method = \"implicit-euler\"", "method = \"adaptive\"", "moves gas only"),
         ("from = \"warm\"", "from = \"cabin\"", "joins air and coolant"),
@@ -73,7 +73,7 @@ fn mistakes_are_named_at_their_place() {
             "id = \"cold_plate\"\nkind = \"orifice\"\narea_m2 = 1e-5\ndischarge_coefficient = 0.6",
             "laws of gases",
         ),
-        ("inner_w_k = 60.0", "inner_w_k = 9e7", "`inner_w_k` lies outside the range"),
+        ("inner_w_k = 60.0", "inner_w_k = 9e7", "`inner_w_k` must be at most"),
     ] {
         let problems = refusal(from, to);
         let found = problems.iter().any(|(line, reason)| *line > 1 && reason.contains(wanted));

@@ -34,7 +34,7 @@ const COOLANT_EXPONENT: f32 = 0.46;
 /// Least flow that a side is computed for [kg/s]; below it nothing is exchanged.
 const LEAST_FLOW_KG_S: f32 = 1e-6;
 /// Most that acts on one wall [W/K]: 1 kg/s of wet air and 0.25 kg/s of water at once.
-const WALL_LOAD_W_K: f32 = 4e3;
+pub const WALL_LOAD_W_K: f32 = 4e3;
 
 /// Fixed data of one coil.
 #[derive(Debug, Clone, Copy, PartialEq)]

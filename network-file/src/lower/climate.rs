@@ -23,6 +23,9 @@ use crate::limits;
 use crate::loaded::ClimateTables;
 use crate::notes::Notes;
 
+/// Where water freezes [K].
+const ICE_K: f64 = 273.15;
+
 /// Share of oxygen in dry air by volume.
 const OXYGEN_SHARE: f64 = 0.2095;
 
@@ -39,6 +42,12 @@ pub(super) fn climate(file: &NetworkFile, tables: &mut Tables, notes: &mut Notes
     let expansion_1_k = air.coolant_expansion_1_k.unwrap_or(0.0) as f32;
     climate.coolant = Medium { expansion_1_k, ..Medium::coolant(heat) };
     for (index, node) in file.nodes.iter().enumerate() {
+        let liquid = matches!(node.kind, NodeEntryKind::Liquid { .. } | NodeEntryKind::Accumulator { .. });
+        if liquid && air.coolant_heat_j_kg_k.is_none() && node.temperature_k < ICE_K {
+            let span = notes.place(&format!("node[{index}]"), &["temperature_k"]);
+            let help = "a coolant that is not water has its `coolant_heat_j_kg_k` in [air]";
+            notes.refuse_with(span, "the coolant is water, which freezes below 273.15 K", help);
+        }
         climate.volumes.push(volume(node, &format!("node[{index}]"), notes));
     }
     let mut lowering = Lowering { file, tables, notes, climate: &mut climate };
@@ -285,6 +294,22 @@ impl Lowering<'_, '_> {
         let start = self.file.nodes.get(from as usize).map_or(limits::REFERENCE_K, |node| node.temperature_k);
         if !own_coolant {
             for name in ["coolant_flow", "coolant_temperature"] {
+                let input = format!("{id}.{name}");
+                let reason = format!("`{id}` has a coolant side, so `{input}` does nothing");
+                for (index, _) in
+                    self.file.schedules.iter().enumerate().filter(|(_, other)| other.input == input)
+                {
+                    self.notes.refuse_at(&format!("schedule[{index}]"), &["input"], reason.clone());
+                }
+                for (index, control) in self.file.controls.iter().enumerate() {
+                    for (key, driven) in
+                        [("drives", Some(&control.drives)), ("opposite", control.opposite.as_ref())]
+                    {
+                        if driven == Some(&input) {
+                            self.notes.refuse_at(&format!("control[{index}]"), &[key], reason.clone());
+                        }
+                    }
+                }
                 if coil.starts.contains_key(name) {
                     let reason = format!("`{id}` has a coolant side, so its `{name}` is not an input");
                     self.notes.refuse_at(path, &[name], reason);
@@ -340,6 +365,12 @@ impl Lowering<'_, '_> {
             });
         }
         for (kind, part, node, contents) in self.nodes_of_parts() {
+            let held =
+                file.nodes.iter().any(|entry| entry.id == node && entry.kind == NodeEntryKind::Boundary);
+            if held && kind != "wall" {
+                let reason = format!("`{node}` is a boundary, which is held whatever a {kind} does there");
+                self.notes.refuse_at(&format!("{kind}[{part}]"), &["node"], reason);
+            }
             if contents != Contents::Air && kind != "wall" {
                 let reason = format!("`{node}` holds coolant, a {kind} needs air");
                 self.notes.refuse_at(&format!("{kind}[{part}]"), &["node"], reason);
@@ -388,6 +419,50 @@ impl Lowering<'_, '_> {
         }
     }
 
+    /// Refuses a control that could be built and would make no sense.
+    fn sense(&mut self, entry: &ControlEntry, path: &str, first_input: u32, driven: [Option<u32>; 2]) {
+        let own = first_input..first_input + ControlLoop::INPUTS.len() as u32;
+        for (key, slot) in ["drives", "opposite"].into_iter().zip(driven) {
+            let Some(slot) = slot.filter(|slot| own.contains(slot)) else { continue };
+            let reason =
+                format!("`{}` is an input of this control itself", self.tables.slots[slot as usize].name);
+            self.notes.refuse_at(path, &[key], reason);
+        }
+        if let [Some(drives), Some(opposite)] = driven {
+            let of = |slot: u32| self.tables.slots.get(slot as usize).map_or("", |slot| slot.spec.unit);
+            let (drives, opposite) = (of(drives), of(opposite));
+            if drives != opposite {
+                let reason = format!(
+                    "`drives` takes a value in {drives}, `opposite` one in {opposite}: what is left of \
+                                      the one says nothing about the other"
+                );
+                self.notes.refuse_at(path, &["opposite"], reason);
+            }
+        }
+        if (entry.closed - entry.open).abs() <= 0.0 {
+            let reason = "`closed` and `open` are the same, so this control moves nothing";
+            self.notes.refuse_at(path, &["open", "closed"], reason);
+        }
+        let range = entry.sensor_min..=entry.sensor_max;
+        let unreachable = |value: f64| {
+            let (least, most) = (entry.sensor_min, entry.sensor_max);
+            format!("a set point of {value} lies outside what the sensor reads, {least} … {most}")
+        };
+        if let Some(&value) = entry.starts.get("setpoint").filter(|value| !range.contains(value)) {
+            self.notes.refuse_at(path, &["setpoint"], unreachable(value));
+        }
+        let setpoint = format!("{}.setpoint", entry.id);
+        for (index, schedule) in
+            self.file.schedules.iter().enumerate().filter(|(_, other)| other.input == setpoint)
+        {
+            for (point, (_, value)) in
+                schedule.points.iter().enumerate().filter(|(_, (_, value))| !range.contains(value))
+            {
+                self.notes.refuse_at(&format!("schedule[{index}].points[{point}]"), &[], unreachable(*value));
+            }
+        }
+    }
+
     fn control(&mut self, entry: &ControlEntry, path: &str) {
         let measure = self.measure(&entry.measures);
         if measure.is_none() {
@@ -424,6 +499,7 @@ impl Lowering<'_, '_> {
         let values = [entry.closed, entry.open];
         let drives = slot("drives", &entry.drives, &values);
         let opposite = entry.opposite.as_ref().map(|name| slot("opposite", name, &values));
+        self.sense(entry, path, first_input, [Some(drives), opposite]);
         let controller = controller(&entry.kind);
         let sensor = Sensor {
             min: entry.sensor_min as f32,
@@ -441,8 +517,11 @@ impl Lowering<'_, '_> {
         for error in
             [sensor.check(), controller.check(), actuator.check()].into_iter().filter_map(Result::err)
         {
-            let keys: &[&str] = if error.parameter == "max" { &["sensor_max"] } else { &[error.parameter] };
-            self.notes.refuse_at(path, keys, crate::reason::text(error));
+            if error.parameter == "max" {
+                self.notes.refuse_at(path, &["sensor_max"], "`sensor_max` must lie above `sensor_min`");
+            } else {
+                self.notes.refuse_at(path, &[error.parameter], crate::reason::text(error));
+            }
         }
         self.climate.loops.push(ControlLoop {
             measure: measure.unwrap_or(Measure::Temperature(0)),
