@@ -70,7 +70,7 @@ pub(crate) fn drive(file: &NetworkFile, slots: &[Slot], notes: &mut Notes) -> Dr
         return driven;
     }
     for slot in slots.iter().filter(|slot| slot.spec.is_code()) {
-        if let Some(start) = slot.start.filter(|start| libm::rint(*start) != *start) {
+        if let Some(start) = slot.start.filter(|start| (libm::rint(*start) - *start).abs() > 0.0) {
             let reason = format!("`{}` is a code, {start} is no whole number", slot.name);
             notes.refuse_at(&slot.path, &[slot.spec.name], reason);
         }
@@ -142,7 +142,7 @@ fn points(pairs: &[(f64, f64)], spec: &InputSpec, path: &str, notes: &mut Notes)
             let reason = format!("`{}` must lie in {} … {}, not at {value}", spec.name, spec.min, spec.max);
             notes.refuse_at(&place, &[], reason);
         }
-        if spec.is_code() && libm::rint(value) != value {
+        if spec.is_code() && (libm::rint(value) - value).abs() > 0.0 {
             notes.refuse_at(&place, &[], format!("`{}` is a code, {value} is no whole number", spec.name));
         }
         points.push(point);
