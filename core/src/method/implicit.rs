@@ -325,7 +325,9 @@ fn solve<E: Element, const UNROLL: bool, const START: bool>(
     flow: &[f32],
     work: &mut Work<'_>,
 ) {
-    let (network, columns) = (model.network, columns!(work, flow));
+    let network = model.network;
+    line::direct::<E, START>(network, flow, work);
+    let columns = columns!(work, flow);
     model.linearise::<START>(columns, [work.differ, work.pushed], work.drop, work.q, work.ports);
     line::sweep(network, work);
     matrix::solve::<E, UNROLL>(network, work);

@@ -27,8 +27,36 @@ struct Admittance {
     outlet_held: f32,
 }
 
+/// Notes the flows of the iterate wherever one decides whether a drain acts: the flow at the `START` of a step, later
+/// what the last solve made of it. They stand where the last sweep's κ is no longer needed.
+///
+/// The flow of the linearisation at unmoved pressures is none of these: in a line without inertance a rounding of a
+/// small volume's pressure turns it.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn direct<E: Element, const START: bool>(
+    network: &Network<'_, E>,
+    flow: &[f32],
+    work: &mut Work<'_>,
+) {
+    for line in network.plan.composite.iter().filter_map(|&index| network.lines.get(index as usize)) {
+        let mut drains = false;
+        for index in range(line) {
+            drains |= network.segments.get(index).is_some_and(|segment| segment.element.removal() > 0.0);
+            if !drains || continues(&network.plan, index) {
+                continue;
+            }
+            let (place, [b, _]) = (index as u32, work.ports.get(index).copied().unwrap_or([0.0; 2]));
+            let moved = if START { 0.0 } else { at(work.q, place) + b * at(work.differ, place) };
+            if let Some([.., present]) = work.joints.get_mut(index) {
+                *present = at(flow, place) + moved;
+            }
+        }
+    }
+}
+
 /// Eliminates the interior of all lines of several segments, and writes their ports. A drain acts by the direction
-/// that the iterate gives the flow.
+/// of the iterate's flow.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn sweep<E: Element>(network: &Network<'_, E>, work: &mut Work<'_>) {
@@ -79,7 +107,7 @@ fn eliminate<E: Element>(network: &Network<'_, E>, line: &Line, work: &mut Work<
         let [b, f] = work.ports.get(index).copied().unwrap_or([0.0; 2]);
         // Said this way, a line that drains nothing is known not to when the network is compiled in.
         forward = ratio > 1.0 || removal > 0.0;
-        forward = forward && f > 0.0;
+        forward = forward && work.joints.get(index).is_some_and(|[.., present]| *present > 0.0);
         let leaves = if ratio > 1.0 && forward { ratio } else { 1.0 };
         if inlet.is_none() {
             inlet = Some((leaves, [b, f]));
