@@ -9,7 +9,7 @@ use crate::element::Element;
 use crate::{Network, Plan};
 
 /// Figures of the volume behind a segment: C/τ [kg/(s·Pa)]; dp/dm [Pa/kg]; known part of its balance less what its increment holds [kg/s]; α [Pa],
-/// γ and κ [1] of the last sweep.
+/// γ and κ [1] of the last sweep. Between two sweeps κ's place holds the iterate's flow where a drain acts by it [kg/s].
 pub(crate) type Joint = [f32; 6];
 
 /// What a port carries: conductance [kg/(s·Pa)] and flow [kg/s] at increments of 0. Port s is both ends of a line of

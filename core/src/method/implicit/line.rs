@@ -40,10 +40,18 @@ pub(crate) fn direct<E: Element, const START: bool>(
     work: &mut Work<'_>,
 ) {
     for line in network.plan.composite.iter().filter_map(|&index| network.lines.get(index as usize)) {
+        // As in the sweep: from the volume ahead of a reach, or behind the line's last element.
         let mut drains = false;
-        for index in range(line) {
-            drains |= network.segments.get(index).is_some_and(|segment| segment.element.removal() > 0.0);
-            if !drains || continues(&network.plan, index) {
+        let range = range(line);
+        for index in range.clone() {
+            let removes = network.segments.get(index).is_some_and(|segment| segment.element.removal() > 0.0);
+            if continues(&network.plan, index) {
+                drains |= removes;
+                continue;
+            }
+            let decides = drains || (removes && index + 1 == range.end);
+            drains = removes;
+            if !decides {
                 continue;
             }
             let (place, [b, _]) = (index as u32, work.ports.get(index).copied().unwrap_or([0.0; 2]));

@@ -46,18 +46,25 @@ impl Momentum {
     /// b and q around the increment `dw` of flow `w` where `acts` [Pa], pressures and what else pushes.
     ///
     /// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the
-    /// slope is taken at the larger of the present flow and of the flow that the present pressures would drive.
+    /// slope is taken at the larger of the present flow and of the flow that the present pressures would drive. A
+    /// present flow far above that one, a valve having shut on it, would not be brought down by two solves: the law
+    /// is linearised around the driven flow instead, with the slope that it has at the present one.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over segments")]
     fn linearise(self, w: f32, dw: f32, acts: f32) -> (f32, f32) {
-        let present = w + dw;
+        let (mut present, mut dw) = (w + dw, dw);
         let mut size = self.at_least(present.abs(), 0.5 * self.laminar);
         if self.guarded {
-            let total = (acts + self.inertia * w).abs();
+            let drive = acts + self.inertia * w;
+            let total = drive.abs();
             let resisting = if self.known.quadratic { self.inertia } else { self.inertia + self.linear };
             let root = math::sqrt(resisting * resisting + 4.0 * self.quadratic * total);
-            // Nothing drives and nothing resists: 0/0, for which the present flow stands.
-            size = math::larger(2.0 * total / (resisting + root), size);
+            // Nothing drives and nothing resists: 0·∞, for which the present flow stands.
+            let per_pressure = 2.0 / (resisting + root);
+            let driven = drive * per_pressure;
+            let wild = present.abs() > (MOST_DRIVEN * per_pressure) * (total + EXPECTED_DRIVE_PA);
+            size = math::larger(driven.abs(), size);
+            (present, dw) = if wild { (driven, driven - w) } else { (present, dw) };
         }
         let slope = 2.0 * self.quadratic * size;
         let slope = if self.known.quadratic { slope } else { slope + self.linear };
@@ -65,6 +72,10 @@ impl Momentum {
         (b, dw + b * ((acts - self.inertia * dw) - self.loss(present)))
     }
 }
+
+/// Largest flow around which a guarded reach is linearised, over the flow that the present pressures and
+/// [`EXPECTED_DRIVE_PA`] would drive [1]: two Newton steps of a square law quarter a flow.
+const MOST_DRIVEN: f32 = 4.0;
 
 /// What a step that is specialised knows of every segment.
 #[derive(Clone, Copy)]
