@@ -11,8 +11,9 @@
 //! Outflow carries the volume's state at the step's start (upwind). Where γ times what passes in a step is more than
 //! the volume holds, only the share φ of it exchanges with the volume: at constant mass every new fraction and
 //! temperature is then a convex combination of old ones, whatever the step. Mass itself is stored in full, or as far as
-//! the flow method's own φ says: pressure then moves as that method expects. What is not stored is booked as owed; φ is
-//! shown.
+//! the flow method's own φ says: pressure then moves as that method expects. Where that φ alone leaves less to pass than the
+//! volume holds, all rows are stored by it alike, what comes by flows and what crew, heat, fog and removal bring. What is
+//! not stored is booked as owed; φ is shown.
 //!
 //! Temperatures are followed from [`LEAST_K`] to [`MOST_K`]. Beyond, the temperature is held at the end of that band and the
 //! energy goes on counting, as boiling or frosting would hold it: the books stay closed, the volume comes back into the
@@ -202,8 +203,10 @@ impl Constants<'_> {
             let slow = |row: f32| slowed * row;
             let [theta, pressure, mass, inward, outward, phi] = *held.figures;
             let figures = [theta, pressure, mass, slow(inward), slow(outward), phi];
-            let stored;
-            (stored, through) = self.part(&held.net.map(slow), &figures, held.fractions);
+            let mut stored = held.net.map(slow);
+            if GAMMA * math::larger(figures[3], figures[4]) > mass {
+                (stored, through) = self.part(&stored, &figures, held.fractions);
+            }
             store_part(held, &stored);
         } else if self.volume.contents == Contents::Coolant {
             for place in [NITROGEN, ENERGY] {
