@@ -2,9 +2,9 @@
 
 mod support;
 
+use eclss_core::Health;
 use eclss_core::climate::monitor::Limit;
-use eclss_core::{Health, Simulator};
-use support::with_network;
+use support::{assert_closed, with_network};
 
 /// A cabin that a hole of 100 cm² opens to space.
 const BREACH: &str = r#"
@@ -47,14 +47,6 @@ inner_w_k = 60.0
 outer_w_k = 0.0
 temperature_k = 295.0
 "#;
-
-/// Largest gap of a ledger over what passed: mass by the start's 71 kg, energy by what they held and carried, 20 MJ.
-fn assert_closed(simulator: &Simulator<'_>) {
-    for ledger in simulator.ledgers() {
-        let scale = if ledger.unit == "J" { 2e7 } else { 71.0 };
-        assert!(ledger.gap().abs() < 1e-6 * scale, "{ledger:?}");
-    }
-}
 
 #[test]
 fn a_cabin_blows_down_to_vacuum_along_the_isentrope() {

@@ -90,3 +90,20 @@ fn a_bound_that_the_step_sets_is_told_as_a_number() {
     let weak = "capacity_j_k = 0.5";
     spoil("capacity_j_k = 1e6", weak, weak, "`capacity_j_k` must be at least 0.6200 J/K for a step of 10 ms");
 }
+
+#[test]
+fn a_control_may_drive_the_set_point_of_another_wherever_that_stands() {
+    let (first, last) = ("[[control]]\n", "[[schedule]]\n");
+    let outer = "[[control]]\nid = \"outer\"\nmeasures = \"cabin.dew_point\"\nkind = \"thermostat\"\nhalf_band = 1.0\n\
+                 on_when = \"high\"\ndrives = \"cabin_temperature.setpoint\"\nclosed = 295.0\nopen = 294.0\n\
+                 sensor_min = 200.0\nsensor_max = 400.0\nsetpoint = 283.0\n\n";
+    for before in [first, last] {
+        let text = FILE.replacen(before, &format!("{outer}{before}"), 1);
+        if let Err(error) = parse(&text, "thcs.toml") {
+            panic!(
+                "before {before}: {:#?}",
+                error.problems().iter().map(ToString::to_string).collect::<Vec<_>>()
+            );
+        }
+    }
+}
