@@ -150,7 +150,7 @@ fn saturation_counts_moles_of_the_gas_that_flows() {
         let mass_kg = [nitrogen, oxygen, carbon_dioxide, 5e-6, trace, 0.0];
         let mut stream = Stream { mass_kg, energy_j: 0.0 };
         stream.energy_j = stream.capacity_j_k(&air) * 5.0;
-        let (mut walls, mut figures) = ([[0.0; 4]; CELLS], [[0.0; 3]; CELLS]);
+        let (mut walls, mut figures) = ([[0.0; CELLS]; 4], [[0.0; CELLS]; 3]);
         let mut coil = Coil {
             condenser: &CCAA,
             air: &air,

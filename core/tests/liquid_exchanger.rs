@@ -25,7 +25,7 @@ fn at_rest(
     reversed: bool,
 ) -> ([f32; 2], [f32; 2]) {
     let (step_s, water, air) = (0.2f32, Medium::coolant(WATER_J_KG_K), Medium::air(REFERENCE_K));
-    let (mut walls, mut figures) = ([[0.0; 4]; CELLS], [[0.0; 3]; CELLS]);
+    let (mut walls, mut figures) = ([[0.0; CELLS]; 4], [[0.0; CELLS]; 3]);
     let mut coil = Coil {
         condenser: &PLATES,
         air: &air,

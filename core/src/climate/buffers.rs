@@ -1,7 +1,7 @@
 //! Where the climate keeps its numbers: state and work buffer, cut into rows, for writing and for reading.
 
 use super::books::{Books, LEDGER, Outside};
-use super::condenser::{CELLS, WallFigures, WallState};
+use super::condenser::{CELLS, Cells, WallFigures, WallStates};
 use super::exchanger::{SHOWN, STORES};
 use super::medium::{PARTS, Parts};
 use super::volume::{Figures, STORED, Start, Stored};
@@ -35,7 +35,7 @@ pub(super) struct State<'s> {
     pub(super) carry: &'s mut [Stored],
     pub(super) owed: &'s mut [Stored],
     pub(super) owed_carry: &'s mut [Stored],
-    pub(super) coils: &'s mut [WallState],
+    pub(super) coils: &'s mut [WallStates],
     pub(super) stores: &'s mut [[f32; STORES]],
     pub(super) walls: &'s mut [[f32; 2]],
     pub(super) loops: &'s mut [[f32; LOOP]],
@@ -53,7 +53,7 @@ impl<'s> State<'s> {
             carry: cut.take_rows(nodes),
             owed: cut.take_rows(nodes),
             owed_carry: cut.take_rows(nodes),
-            coils: cut.take_rows(CELLS * exchangers),
+            coils: cut.take_rows::<CELLS>(4 * exchangers).as_chunks_mut().0,
             stores: cut.take_rows(exchangers),
             walls: cut.take_rows(climate.walls.len()),
             loops: cut.take_rows(climate.loops.len()),
@@ -88,7 +88,7 @@ impl<'w> Work<'w> {
             fractions: cut.take_rows(nodes),
             figures: cut.take_rows(nodes),
             passed: cut.take_rows(nodes),
-            coils: cut.take_rows(CELLS * exchangers),
+            coils: cut.take_rows::<CELLS>(3 * exchangers).as_chunks_mut().0,
             shown: cut.take_rows(exchangers),
             given: cut.take_rows(network.lines.len()),
             start: cut.take_rows(nodes),
@@ -102,7 +102,7 @@ pub(super) struct Seen<'o> {
     pub(super) carry: &'o [Stored],
     pub(super) owed: &'o [Stored],
     pub(super) owed_carry: &'o [Stored],
-    pub(super) coils: &'o [WallState],
+    pub(super) coils: &'o [WallStates],
     pub(super) stores: &'o [[f32; STORES]],
     pub(super) walls: &'o [[f32; 2]],
     pub(super) ledger: &'o [Stored],
@@ -129,13 +129,13 @@ impl<'o> Seen<'o> {
         let (state, work) = (&mut Look(state), &mut Look(work));
         let (value, carry) = (state.rows(nodes), state.rows(nodes));
         let (owed, owed_carry) = (state.rows(nodes), state.rows(nodes));
-        let (coils, stores) = (state.rows(CELLS * exchangers), state.rows(exchangers));
+        let (coils, stores) = (state.rows::<CELLS>(4 * exchangers).as_chunks().0, state.rows(exchangers));
         let walls = state.rows(climate.walls.len());
         let _: &[[f32; LOOP]] = state.rows(climate.loops.len());
         let ledger = state.rows(LEDGER);
         let _: [&[Stored]; 2] = [work.rows(nodes), work.rows(nodes)];
         let (fractions, figures, passed) = (work.rows(nodes), work.rows(nodes), work.rows(nodes));
-        let _: &[WallFigures] = work.rows(CELLS * exchangers);
+        let _: &[Cells] = work.rows(3 * exchangers);
         let shown = work.rows(exchangers);
         Self {
             value,

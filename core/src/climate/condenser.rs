@@ -109,12 +109,16 @@ impl Condenser {
     }
 }
 
-/// State of a wall: energy of wall and film over the start, and its carry [J]; water in its film, and its carry [kg].
-pub type WallState = [f32; 4];
+/// One figure of all walls, in the direction of the air, so that a host works on several walls at once.
+pub type Cells = [f32; CELLS];
 
-/// Figures of a wall that a step derives: temperature over the reference [K]; energy [J] and water [kg] that reach
-/// it in this step.
-pub type WallFigures = [f32; 3];
+/// State of the walls: energies of wall and film over the start, and their carries [J]; water in the films, and its
+/// carries [kg].
+pub type WallStates = [Cells; 4];
+
+/// Figures of the walls that a step derives: temperatures over the reference [K]; energy [J] and water [kg] that reach
+/// them in this step.
+pub type WallFigures = [Cells; 3];
 
 /// Water that leaves a coil during one step, and the energy that it carries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -138,29 +142,31 @@ pub struct Coil<'s> {
     pub reference_k: f32,
     /// Temperature of the walls at the start over the reference [K].
     pub start_theta_k: f32,
-    /// States, in the direction of the air.
-    pub walls: &'s mut [WallState],
+    /// States.
+    pub walls: &'s mut WallStates,
     /// Figures.
-    pub figures: &'s mut [WallFigures],
+    pub figures: &'s mut WallFigures,
 }
 
-/// Takes a stream of liquid past `walls` in its order, with `conductance_j_k` [J/K] to all of them in this step.
+/// Takes a stream of liquid past walls of these figures in the given order, with `conductance_j_k` [J/K] to all of them
+/// in this step.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body of a side")]
-fn sweep<'w>(
+fn sweep(
     stream: &mut Stream,
     conductance_j_k: f32,
     liquid: &Medium,
-    walls: impl Iterator<Item = &'w mut WallFigures>,
+    [walls, heats, _]: &mut WallFigures,
+    order: impl Iterator<Item = usize>,
 ) {
     let ([mass, ..], [heat, ..]) = (stream.mass_kg, liquid.flowing_j_kg_k);
     let capacity = heat * mass;
     let remaining = 1.0 - Condenser::contact(conductance_j_k, capacity);
     let (mut theta, mut before) = (stream.energy_j / capacity, stream.energy_j);
-    for [wall, heat, _] in walls {
-        theta = *wall + remaining * (theta - *wall);
+    for place in order {
+        theta = walls[place] + remaining * (theta - walls[place]);
         let after = capacity * theta;
-        *heat += before - after;
+        heats[place] += before - after;
         before = after;
     }
     stream.energy_j = before;
@@ -171,10 +177,13 @@ impl Coil<'_> {
     pub fn begin(&mut self) {
         let wall = self.condenser.capacity_j_k * (1.0 / CELLS as f32);
         let heat = self.air.flowing_j_kg_k[LIQUID];
-        for ([energy, _, film, _], figures) in self.walls.iter().zip(self.figures.iter_mut()) {
-            let stored = wall * self.start_theta_k + *energy + *film * self.air.latent_j_kg;
-            *figures = [stored / (wall + *film * heat), 0.0, 0.0];
+        let [energy, _, film, _] = *self.walls;
+        let mut theta = [0.0; CELLS];
+        for place in 0..CELLS {
+            let stored = wall * self.start_theta_k + energy[place] + film[place] * self.air.latent_j_kg;
+            theta[place] = stored / (wall + film[place] * heat);
         }
+        *self.figures = [theta, [0.0; CELLS], [0.0; CELLS]];
     }
 
     /// Passes air through the coil for `step_s` [s] at `pressure_pa` [Pa], `reversed` from its outlet to its inlet:
@@ -204,24 +213,32 @@ impl Coil<'_> {
         // Vapour [kg] that is as many moles as the dry gas, whatever that is made of.
         let saturable = stream.vapour_of_equal_moles_kg();
         let mut before = stream.energy_j - droplet_energy;
-        for place in 0..CELLS {
-            let index = if reversed { CELLS - 1 - place } else { place };
-            let (Some([wall, heat, water]), Some([_, _, film, _])) =
-                (self.figures.get_mut(index), self.walls.get(index))
-            else {
-                continue;
-            };
+        let ([_, _, film, _], [wall, heat, water]) = (&*self.walls, &mut *self.figures);
+        // Vapour that saturates the air at each wall, and what touches its film.
+        let (mut saturated, mut wetted) = ([0.0; CELLS], [0.0; CELLS]);
+        for ((saturated, wetted), (wall, film)) in
+            saturated.iter_mut().zip(&mut wetted).zip(wall.iter().zip(film))
+        {
             let saturation = moist::saturation_pressure_pa(self.reference_k + *wall);
-            let excess = vapour - saturable * moist::moles_per_dry_mole(saturation, pressure_pa);
+            *saturated = saturable * moist::moles_per_dry_mole(saturation, pressure_pa);
+            *wetted = contact * math::smaller(*film * full, 1.0);
+        }
+        let mut meet = |place: usize| {
             // More than saturation condenses; less evaporates a film, where there is one and not more than there is.
-            let wet = if excess > 0.0 { 1.0 } else { math::smaller(*film * full, 1.0) };
-            let condensed = math::larger(contact * wet * excess, -*film);
+            let excess = vapour - saturated[place];
+            let wet = if excess > 0.0 { contact } else { wetted[place] };
+            let condensed = math::larger(wet * excess, -film[place]);
             vapour -= condensed;
-            theta = *wall + bypass * (theta - *wall);
+            theta = wall[place] + bypass * (theta - wall[place]);
             let after = (dry_capacity + vapour_heat * vapour) * theta;
-            *heat += before - after;
-            *water += condensed;
+            heat[place] += before - after;
+            water[place] += condensed;
             before = after;
+        };
+        if reversed {
+            (0..CELLS).rev().for_each(&mut meet);
+        } else {
+            (0..CELLS).for_each(&mut meet);
         }
         stream.mass_kg[VAPOUR] = vapour;
         stream.energy_j = before + droplet_energy;
@@ -239,7 +256,7 @@ impl Coil<'_> {
         let conductance = self.clean
             * data.coolant_w_k
             * math::pow(flow * (1.0 / data.coolant_reference_kg_s), COOLANT_EXPONENT);
-        sweep(stream, conductance * step_s, coolant, self.figures.iter_mut().rev());
+        sweep(stream, conductance * step_s, coolant, self.figures, (0..CELLS).rev());
     }
 
     /// Passes liquid through the coil in the place of air for `step_s` [s], `reversed` from its outlet to its inlet:
@@ -255,9 +272,9 @@ impl Coil<'_> {
         let conductance =
             self.clean * data.air_w_k * math::pow(flow * (1.0 / data.air_reference_kg_s), data.air_exponent);
         if reversed {
-            sweep(stream, conductance * step_s, liquid, self.figures.iter_mut().rev());
+            sweep(stream, conductance * step_s, liquid, self.figures, (0..CELLS).rev());
         } else {
-            sweep(stream, conductance * step_s, liquid, self.figures.iter_mut());
+            sweep(stream, conductance * step_s, liquid, self.figures, 0..CELLS);
         }
     }
 
@@ -265,16 +282,21 @@ impl Coil<'_> {
     pub fn settle(&mut self) -> Drained {
         let heat = self.air.flowing_j_kg_k[LIQUID];
         let limit = self.condenser.film_kg * (1.0 / CELLS as f32);
+        // Copies, which the compiler knows to be apart.
+        let [mut energy, mut energy_carry, mut film, mut film_carry] = *self.walls;
+        let [theta, given, water] = *self.figures;
+        let (mut over, mut carried) = ([0.0; CELLS], [0.0; CELLS]);
+        for place in 0..CELLS {
+            over[place] = math::larger(film[place] + water[place] - limit, 0.0);
+            carried[place] = over[place] * (heat * theta[place] - self.air.latent_j_kg);
+            math::compensated_add(&mut energy[place], &mut energy_carry[place], given[place]);
+            math::compensated_add(&mut energy[place], &mut energy_carry[place], -carried[place]);
+            math::compensated_add(&mut film[place], &mut film_carry[place], water[place]);
+            math::compensated_add(&mut film[place], &mut film_carry[place], -over[place]);
+        }
+        *self.walls = [energy, energy_carry, film, film_carry];
         let mut drained = Drained::default();
-        for ([energy, energy_carry, film, film_carry], [theta, given, water]) in
-            self.walls.iter_mut().zip(self.figures.iter())
-        {
-            let over = math::larger(*film + *water - limit, 0.0);
-            let carried = over * (heat * *theta - self.air.latent_j_kg);
-            math::compensated_add(energy, energy_carry, *given);
-            math::compensated_add(energy, energy_carry, -carried);
-            math::compensated_add(film, film_carry, *water);
-            math::compensated_add(film, film_carry, -over);
+        for (over, carried) in over.iter().zip(&carried) {
             drained.water_kg += over;
             drained.energy_j += carried;
         }

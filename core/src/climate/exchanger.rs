@@ -8,7 +8,7 @@
 //! Source: P. Wieland, NASA TM-1998-206956 p. 104, and V-HAB: slurper and separator, discharge about every 75 min.
 //! Hold-up, slug and discharge behaviour in microgravity are known in words only; their figures are parameters.
 
-use super::condenser::{Condenser, Drained, WallState};
+use super::condenser::{Condenser, Drained, WallStates};
 use crate::element::ParameterError;
 use crate::{Fingerprint, InputSpec, math};
 
@@ -134,7 +134,7 @@ impl ExchangerReadings {
     pub(super) fn of(
         stores: &[f32; STORES],
         shown: &[f32; SHOWN],
-        walls: &[WallState],
+        [_, _, films, _]: &WallStates,
         reference_k: f32,
         step_s: f32,
     ) -> Self {
@@ -145,7 +145,7 @@ impl ExchangerReadings {
             coolant_w: taken / step_s,
             condensate_kg_s: water / step_s,
             air_outlet_k: reference_k + theta,
-            film_kg: walls.iter().map(|[_, _, film, _]| film).sum(),
+            film_kg: films.iter().sum(),
             separator_kg,
             tank_kg,
             slug_kg,

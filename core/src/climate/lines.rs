@@ -2,7 +2,7 @@
 
 use super::Climate;
 use super::buffers::{State, Work};
-use super::condenser::{CELLS, Coil, WallFigures, WallState};
+use super::condenser::{Coil, WallFigures, WallStates};
 use super::exchanger;
 use super::medium::{LIQUID, NITROGEN};
 use super::parts::{Passage, Station};
@@ -30,19 +30,18 @@ fn coil<'c>(
     climate: &'c Climate<'_>,
     clean: f32,
     index: usize,
-    walls: &'c mut [WallState],
+    walls: &'c mut [WallStates],
     figures: &'c mut [WallFigures],
 ) -> Option<Coil<'c>> {
     let exchanger = climate.exchangers.get(index)?;
-    let range = CELLS * index..CELLS * (index + 1);
     Some(Coil {
         condenser: &exchanger.condenser,
         air: &climate.air,
         clean,
         reference_k: climate.reference_k,
         start_theta_k: exchanger.start_k - climate.reference_k,
-        walls: walls.get_mut(range.clone())?,
-        figures: figures.get_mut(range)?,
+        walls: walls.get_mut(index)?,
+        figures: figures.get_mut(index)?,
     })
 }
 

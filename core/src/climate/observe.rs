@@ -5,7 +5,7 @@ use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, TRACE, VAPOUR};
 use super::monitor::{Broken, FOGGED, Limit};
 use super::step::LEAST_FRACTION;
 use super::volume::{self, Contents, ENERGY};
-use super::{Climate, ExchangerReadings, Readings, condenser::CELLS};
+use super::{Climate, ExchangerReadings, Readings, condenser::Cells};
 use crate::moist;
 use crate::simulator::{Excursion, Strayed};
 
@@ -117,7 +117,7 @@ impl<'o, 'n> Observed<'o, 'n> {
 
     /// What an exchanger shows.
     pub(crate) fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
-        let walls = self.seen.coils.get(CELLS * index..CELLS * (index + 1))?;
+        let walls = self.seen.coils.get(index)?;
         let (stores, shown) = (self.seen.stores.get(index)?, self.seen.shown.get(index)?);
         Some(ExchangerReadings::of(stores, shown, walls, self.climate.reference_k, self.step_s))
     }
@@ -162,10 +162,13 @@ impl<'o, 'n> Observed<'o, 'n> {
             turned_over,
         };
         let gas = |name, part| ledger(name, "kg", stored(part, Some(Contents::Air)), booked(&[part]));
-        let film: f64 = self.seen.coils.iter().map(|wall| sum(&wall[2..])).sum();
+        let of_cells = |[sums, carries]: [&Cells; 2]| {
+            sums.iter().zip(carries).map(|(sum, carry)| f64::from(*sum) - f64::from(*carry)).sum::<f64>()
+        };
+        let film: f64 = self.seen.coils.iter().map(|[_, _, film, carry]| of_cells([film, carry])).sum();
         let mut water = stored(VAPOUR, Some(Contents::Air)) + stored(LIQUID, Some(Contents::Air)) + film;
         let mut energy = stored(ENERGY, None);
-        energy += self.seen.coils.iter().map(|wall| sum(&wall[..2])).sum::<f64>();
+        energy += self.seen.coils.iter().map(|[energy, carry, ..]| of_cells([energy, carry])).sum::<f64>();
         energy += self.seen.walls.iter().map(|wall| sum(wall)).sum::<f64>();
         for store in self.seen.stores {
             water += sum(&store[..2]) + sum(&store[2..4]) + sum(&store[4..6]);

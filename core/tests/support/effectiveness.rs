@@ -92,7 +92,7 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
     let coolant_mass = inlet.coolant_kg_s * step_s;
     let mut coolant_in = Stream { mass_kg: [coolant_mass, 0.0, 0.0, 0.0, 0.0, 0.0], energy_j: 0.0 };
     coolant_in.energy_j = coolant_mass * WATER_J_KG_K * (inlet.coolant_k - REFERENCE_K);
-    let (mut walls, mut figures) = ([[0.0; 4]; CELLS], [[0.0; 3]; CELLS]);
+    let (mut walls, mut figures) = ([[0.0; CELLS]; 4], [[0.0; CELLS]; 3]);
     let start_theta_k = inlet.coolant_k - REFERENCE_K;
     let mut coil = Coil {
         condenser,
@@ -120,9 +120,10 @@ pub(crate) fn at_rest(condenser: &Condenser, inlet: Inlet, steps: u32, step_s: f
         exchanged[0] += air_j.abs();
         exchanged[1] += water_kg.abs();
     }
-    for wall in &walls {
-        net[0] -= f64::from(wall[0]) - f64::from(wall[1]);
-        net[1] -= f64::from(wall[2]) - f64::from(wall[3]);
+    for place in 0..CELLS {
+        let [energy, energy_carry, film, film_carry] = walls.map(|cells| f64::from(cells[place]));
+        net[0] -= energy - energy_carry;
+        net[1] -= film - film_carry;
     }
     let unbalance = [net[0] / exchanged[0], net[1] / exchanged[1].max(1e-9)];
     let air_out_k = REFERENCE_K + out.theta_k(&air);

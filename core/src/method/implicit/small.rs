@@ -17,54 +17,93 @@ pub(super) fn fits(plan: &Plan<'_>) -> bool {
     math::VECTORS && plan.order.len().saturating_sub(plan.leaves.len()) <= ROWS
 }
 
+/// The rows: what they exchange with all others, and beside it what they hold and what they know.
+struct Block<'b> {
+    exchanges: &'b mut [[f32; ROWS]; ROWS],
+    own: &'b mut [[f32; 2]; ROWS],
+    /// How many there are.
+    rows: usize,
+}
+
 /// Eliminates these rows and substitutes from the last to the first.
 #[inline(never)] // its loops have the processor's registers for themselves
 pub(super) fn solve(plan: &Plan<'_>, work: &mut Work<'_>) {
     let first = plan.leaves.len();
     let rows = plan.order.get(first..).unwrap_or(&[]);
-    let mut dense = [[0.0f32; ROWS]; ROWS];
-    // What a row holds and what it knows, side by side.
-    let mut own = [[0.0f32; 2]; ROWS];
-    for ((dense, own), &node) in dense.iter_mut().zip(&mut own).zip(rows) {
+    let (mut exchanges, mut own) = ([[0.0; ROWS]; ROWS], [[0.0; 2]; ROWS]);
+    let mut block = Block { exchanges: &mut exchanges, own: &mut own, rows: rows.len() };
+    for ((exchanges, own), &node) in block.exchanges.iter_mut().zip(block.own.iter_mut()).zip(rows) {
         let held = at(work.excess, node);
         let start = Row { held, known: at(work.known, node), diagonal: held };
         let terms = plan.terms_of(node);
-        let gathered = gather::<false, true>(terms, start, work.ports, work.swept, (dense, first as u32));
+        let gathered = gather::<false, true>(terms, start, work.ports, work.swept, (exchanges, first as u32));
         *own = [gathered.held, gathered.known];
     }
-    // A row that is done goes into all later ones at once: none of these waits for another.
-    let mut rest = (dense.as_mut_slice(), own.as_mut_slice());
-    for place in 0..rows.len() {
-        let (Some((dense, later_rows)), Some((own, later_own))) =
-            (rest.0.split_first_mut(), rest.1.split_first_mut())
-        else {
-            break;
-        };
-        if let Some(done) = dense.get_mut(..=place) {
-            done.fill(0.0);
+    // Each by itself, so that the compiler knows its place.
+    block.eliminate::<0>();
+    block.eliminate::<1>();
+    block.eliminate::<2>();
+    block.eliminate::<3>();
+    block.eliminate::<4>();
+    block.eliminate::<5>();
+    block.eliminate::<6>();
+    block.eliminate::<7>();
+    block.substitute::<7>();
+    block.substitute::<6>();
+    block.substitute::<5>();
+    block.substitute::<4>();
+    block.substitute::<3>();
+    block.substitute::<2>();
+    block.substitute::<1>();
+    block.substitute::<0>();
+    for ([_, increment], &node) in block.own.iter().zip(rows) {
+        if let Some(change) = work.change.get_mut(node as usize) {
+            *change = *increment;
         }
-        let exchanged =
-            dense.get(place + 1..rows.len()).unwrap_or(&[]).iter().fold(0.0, |sum, later| sum + later);
-        let [held, known] = *own;
-        let reciprocal = 1.0 / (held + exchanged);
-        *dense = dense.map(|later| if later > 0.0 { later * reciprocal } else { 0.0 });
-        *own = [held * reciprocal, known * reciprocal];
-        let behind = rows.len() - place - 1;
-        for (row, sums) in later_rows.iter_mut().zip(later_own.iter_mut()).take(behind) {
-            let exchange = row.get(place).copied().unwrap_or(0.0);
-            *sums = math::each(sums, own, |sum, own| sum + exchange * own);
-            *row = math::each(row, dense, |own, share| own + exchange * share);
-        }
-        rest = (later_rows, later_own);
     }
-    let mut changes = [0.0f32; ROWS];
-    for (place, ((shares, [_, increment]), &node)) in dense.iter().zip(&own).zip(rows).enumerate().rev() {
-        let parts = math::each(shares, &changes, |share, change| share * change);
-        let behind = parts.get(place + 1..rows.len()).unwrap_or(&[]);
-        let sum = behind.iter().fold(*increment, |sum, part| sum + part);
-        if let (Some(own), Some(change)) = (changes.get_mut(place), work.change.get_mut(node as usize)) {
-            (*own, *change) = (sum, sum);
+}
+
+impl Block<'_> {
+    /// Eliminates the row at `PLACE`: it goes into all later ones at once, none of which waits for another. What stands
+    /// in the columns before is never read again.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "its loops are known only here")]
+    fn eliminate<const PLACE: usize>(&mut self) {
+        if PLACE >= self.rows {
+            return;
         }
+        let mut exchanged = 0.0;
+        for later in &self.exchanges[PLACE][PLACE + 1..] {
+            exchanged += later;
+        }
+        let [held, known] = self.own[PLACE];
+        let reciprocal = 1.0 / (held + exchanged);
+        let shares = self.exchanges[PLACE].map(|later| if later > 0.0 { later * reciprocal } else { 0.0 });
+        let own = [held * reciprocal, known * reciprocal];
+        (self.exchanges[PLACE], self.own[PLACE]) = (shares, own);
+        for place in PLACE + 1..ROWS {
+            let exchange = self.exchanges[place][PLACE];
+            // Loops that do not touch each other are then solved side by side. The pattern decides it, and a NaN stays.
+            if exchange != 0.0 {
+                self.own[place] = math::each(&self.own[place], &own, |sum, own| sum + exchange * own);
+                self.exchanges[place] =
+                    math::each(&self.exchanges[place], &shares, |own, share| own + exchange * share);
+            }
+        }
+    }
+
+    /// Adds to the increment of the row at `PLACE` what those of later rows make of it.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "its loop is known only here")]
+    fn substitute<const PLACE: usize>(&mut self) {
+        let mut sum = self.own[PLACE][1];
+        for later in PLACE + 1..ROWS {
+            let share = self.exchanges[PLACE][later];
+            if share != 0.0 {
+                sum += share * self.own[later][1];
+            }
+        }
+        self.own[PLACE][1] = sum;
     }
 }
 
