@@ -1,5 +1,7 @@
 //! One run of any network: what was asked, what came out.
 
+#[cfg(feature = "compiled")]
+mod compiled;
 mod driver;
 mod picture;
 mod plan;
@@ -42,7 +44,8 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut watch = watch::Watch::of(loaded);
     let mut slowed = slowed::Watch::default();
     let mut due = plan.at_ticks.iter().copied().peekable();
-    progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
+    let stepped = if driver.is_compiled() { ", compiled in" } else { "" };
+    progress.say(&format!("{} at {}{stepped}", plan.settings.method.name(), plan.step()));
     loop {
         let (tick, trusted) = (driver.counters().tick(), driver.counters().health() == Health::Trusted);
         if trace.is_due(driver.counters()) {

@@ -44,7 +44,7 @@ pub(crate) fn in_ci() -> bool {
 /// Everything but the firmware application, of which only the board for computers can be built here.
 pub(crate) const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
 /// What the core offers to boards and files, and the real-time loop on a computer.
-const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/protocol,eclss-core/defmt";
+const OPTIONS: &str = "eclss-host-sim/hil,eclss-host-sim/compiled,eclss-core/protocol,eclss-core/defmt";
 /// How tests are run but for those of costs. Stages that name the same packages share what was built for another.
 pub(crate) const TESTS: [&str; 5] = ["test", "--profile", "checked", "--exclude", "eclss-bench"];
 /// The same for the application.

@@ -1,9 +1,12 @@
-//! Who takes the steps of a run: one thread, or several that share each step.
+//! Who takes the steps of a run: one thread, several that share each step, or one with a step that was compiled for the
+//! network.
 
 use eclss_core::{Method, Network, Simulator, SplitSimulator};
 use eclss_parallel::{ParallelBuffers, Threads};
 
 use super::Plan;
+#[cfg(feature = "compiled")]
+use super::compiled;
 use crate::refusal::refused;
 use crate::{Failure, HostBuffers, Source};
 
@@ -17,6 +20,8 @@ pub(super) struct Numbers {
 /// A simulator and who steps it.
 pub(super) enum Driver<'a> {
     Alone(Simulator<'a>),
+    #[cfg(feature = "compiled")]
+    Compiled(compiled::Compiled<'a>),
     Shared(SplitSimulator<'a>, Threads),
 }
 
@@ -30,7 +35,13 @@ impl<'a> Driver<'a> {
     ) -> Result<Self, Failure> {
         let refused = |error| refused(source, plan.settings, &error);
         if plan.threads == 1 {
-            return numbers.alone.simulator(network, plan.settings).map(Self::Alone).map_err(refused);
+            let simulator = numbers.alone.simulator(network, plan.settings).map_err(refused)?;
+            #[cfg(feature = "compiled")]
+            if compiled::fits(&simulator) {
+                let compiled = compiled::Compiled::new(simulator).map(Self::Compiled);
+                return compiled.ok_or_else(|| Failure::Failed("another network is compiled in".to_owned()));
+            }
+            return Ok(Self::Alone(simulator));
         }
         if plan.settings.method != Method::Adaptive {
             let name = plan.settings.method.name();
@@ -46,9 +57,18 @@ impl<'a> Driver<'a> {
         Ok(Self::Shared(simulator, threads))
     }
 
+    /// Whether the step was compiled for this network.
+    pub(super) fn is_compiled(&self) -> bool {
+        !matches!(self, Self::Alone(_) | Self::Shared(..))
+    }
+
     pub(super) fn step(&mut self) {
         match self {
             Self::Alone(simulator) => {
+                simulator.step();
+            }
+            #[cfg(feature = "compiled")]
+            Self::Compiled(simulator) => {
                 simulator.step();
             }
             Self::Shared(simulator, threads) => {
@@ -61,6 +81,8 @@ impl<'a> Driver<'a> {
     pub(super) fn counters(&self) -> &Simulator<'a> {
         match self {
             Self::Alone(simulator) => simulator,
+            #[cfg(feature = "compiled")]
+            Self::Compiled(simulator) => simulator,
             Self::Shared(simulator, _) => simulator.counters(),
         }
     }
@@ -69,6 +91,8 @@ impl<'a> Driver<'a> {
     pub(super) fn simulator(&mut self) -> &Simulator<'a> {
         match self {
             Self::Alone(simulator) => simulator,
+            #[cfg(feature = "compiled")]
+            Self::Compiled(simulator) => simulator,
             Self::Shared(simulator, _) => simulator.simulator(),
         }
     }
