@@ -282,24 +282,32 @@ impl Coil<'_> {
     pub fn settle(&mut self) -> Drained {
         let heat = self.air.flowing_j_kg_k[LIQUID];
         let limit = self.condenser.film_kg * (1.0 / CELLS as f32);
-        // Copies, which the compiler knows to be apart.
-        let [mut energy, mut energy_carry, mut film, mut film_carry] = *self.walls;
-        let [theta, given, water] = *self.figures;
-        let (mut over, mut carried) = ([0.0; CELLS], [0.0; CELLS]);
-        for place in 0..CELLS {
-            over[place] = math::larger(film[place] + water[place] - limit, 0.0);
-            carried[place] = over[place] * (heat * theta[place] - self.air.latent_j_kg);
-            math::compensated_add(&mut energy[place], &mut energy_carry[place], given[place]);
-            math::compensated_add(&mut energy[place], &mut energy_carry[place], -carried[place]);
-            math::compensated_add(&mut film[place], &mut film_carry[place], water[place]);
-            math::compensated_add(&mut film[place], &mut film_carry[place], -over[place]);
-        }
-        *self.walls = [energy, energy_carry, film, film_carry];
-        let mut drained = Drained::default();
-        for (over, carried) in over.iter().zip(&carried) {
-            drained.water_kg += over;
-            drained.energy_j += carried;
-        }
-        drained
+        let latent = self.air.latent_j_kg;
+        settle(self.walls, self.figures, limit, |theta| heat * theta - latent)
     }
+}
+
+/// Moves what reached the walls into them; `limit` [kg] is what one film holds, the closure a kilogram's energy [J/kg].
+/// A function of its own, so that a compiler knows both arguments to be apart.
+fn settle(
+    [energy, energy_carry, film, film_carry]: &mut WallStates,
+    [theta, given, water]: &WallFigures,
+    limit: f32,
+    carries: impl Fn(f32) -> f32,
+) -> Drained {
+    let (mut over, mut carried) = ([0.0; CELLS], [0.0; CELLS]);
+    for place in 0..CELLS {
+        over[place] = math::larger(film[place] + water[place] - limit, 0.0);
+        carried[place] = over[place] * carries(theta[place]);
+        math::compensated_add(&mut energy[place], &mut energy_carry[place], given[place]);
+        math::compensated_add(&mut energy[place], &mut energy_carry[place], -carried[place]);
+        math::compensated_add(&mut film[place], &mut film_carry[place], water[place]);
+        math::compensated_add(&mut film[place], &mut film_carry[place], -over[place]);
+    }
+    let mut drained = Drained::default();
+    for (over, carried) in over.iter().zip(&carried) {
+        drained.water_kg += over;
+        drained.energy_j += carried;
+    }
+    drained
 }
