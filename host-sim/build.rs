@@ -28,6 +28,8 @@ mod compiled {
     use std::path::PathBuf;
     use std::{env, fs};
 
+    /// What names the network.
+    const VARIABLE: &str = "ECLSS_NETWORK";
     /// The network of a build that names none.
     const DEFAULT: &str = "networks/paper.toml";
     /// Most segments for which a step is specialised; beyond, code would grow with the network.
@@ -35,13 +37,18 @@ mod compiled {
 
     pub(crate) fn write() -> Result<(), Vec<String>> {
         println!("cargo::rerun-if-changed=build.rs");
-        println!("cargo::rerun-if-env-changed=ECLSS_NETWORK");
-        let name = env::var("ECLSS_NETWORK").unwrap_or_else(|_| DEFAULT.to_owned());
+        println!("cargo::rerun-if-env-changed={VARIABLE}");
+        let name = match env::var(VARIABLE) {
+            Ok(name) => name,
+            Err(env::VarError::NotPresent) => DEFAULT.to_owned(),
+            Err(error) => return Err(vec![format!("{VARIABLE}: {error}")]),
+        };
         let path = PathBuf::from("..").join(&name);
         println!("cargo::rerun-if-changed={}", path.display());
-        let loaded = eclss_network_file::load(&path).map_err(|error| {
-            error.problems().iter().map(|problem| format!("{name}: {problem}")).collect::<Vec<_>>()
-        })?;
+        let text = fs::read_to_string(&path)
+            .map_err(|error| vec![format!("{VARIABLE}=\"{name}\", relative to the workspace: {error}")])?;
+        let loaded = eclss_network_file::parse(&text, &name)
+            .map_err(|error| error.problems().iter().map(ToString::to_string).collect::<Vec<_>>())?;
         let segments = loaded.network().segments.len();
         if segments > MOST {
             return Err(vec![format!(

@@ -44,8 +44,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut watch = watch::Watch::of(loaded);
     let mut slowed = slowed::Watch::default();
     let mut due = plan.at_ticks.iter().copied().peekable();
-    let stepped = if driver.is_compiled() { ", compiled in" } else { "" };
-    progress.say(&format!("{} at {}{stepped}", plan.settings.method.name(), plan.step()));
+    progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
         let (tick, trusted) = (driver.counters().tick(), driver.counters().health() == Health::Trusted);
         if trace.is_due(driver.counters()) {
@@ -70,6 +69,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     }
     progress.finish();
     let mut report = RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks);
+    report.compiled_in = driver.is_compiled();
     report.breaches = watch.breaches();
     report.slowed = slowed.found(source);
     Ok((report, trace))

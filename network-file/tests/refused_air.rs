@@ -91,14 +91,32 @@ fn a_bound_that_the_step_sets_is_told_as_a_number() {
     spoil("capacity_j_k = 1e6", weak, weak, "`capacity_j_k` must be at least 0.6200 J/K for a step of 10 ms");
 }
 
+/// A control of the dew point that drives the set point of the one of the temperature.
+const OUTER: &str = "[[control]]\nid = \"outer\"\nmeasures = \"cabin.dew_point\"\nkind = \"thermostat\"\nhalf_band = 1.0\n\
+                     on_when = \"high\"\ndrives = \"cabin_temperature.setpoint\"\nclosed = 295.0\nopen = 294.0\n\
+                     sensor_min = 200.0\nsensor_max = 400.0\nsetpoint = 283.0\n\n";
+
+#[test]
+fn cascades_that_make_no_sense() {
+    let first = "[[control]]\n";
+    let cascade = |old: &str, new: &str| format!("{}{first}", OUTER.replace(old, new));
+    spoil(first, &cascade("closed = 295.0", "closed = 1e3"), "closed = 1e3", "its sensor reads 273 … 323");
+    let opposite = "opposite = \"oxygen_control.setpoint\"\n";
+    let both = cascade("closed = 295.0", &format!("{opposite}closed = 295.0"));
+    spoil(first, &both, opposite, "`drives` takes a value in K, `opposite` one in Pa");
+    let ring = FILE.replacen("drives = \"che_valve.opening\"", "drives = \"outer.setpoint\"", 1);
+    let Err(error) = parse(&ring.replacen(first, &cascade("", ""), 1), "thcs.toml") else {
+        panic!("a ring was accepted")
+    };
+    let reason = "`outer` drives its own set point in the end, through others";
+    assert!(error.problems().iter().any(|problem| problem.to_string().contains(reason)), "{error}");
+}
+
 #[test]
 fn a_control_may_drive_the_set_point_of_another_wherever_that_stands() {
     let (first, last) = ("[[control]]\n", "[[schedule]]\n");
-    let outer = "[[control]]\nid = \"outer\"\nmeasures = \"cabin.dew_point\"\nkind = \"thermostat\"\nhalf_band = 1.0\n\
-                 on_when = \"high\"\ndrives = \"cabin_temperature.setpoint\"\nclosed = 295.0\nopen = 294.0\n\
-                 sensor_min = 200.0\nsensor_max = 400.0\nsetpoint = 283.0\n\n";
     for before in [first, last] {
-        let text = FILE.replacen(before, &format!("{outer}{before}"), 1);
+        let text = FILE.replacen(before, &format!("{OUTER}{before}"), 1);
         if let Err(error) = parse(&text, "thcs.toml") {
             panic!(
                 "before {before}: {:#?}",

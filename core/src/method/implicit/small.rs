@@ -1,7 +1,8 @@
 //! The rows that remain behind the branches, where they are few: as one dense block, for a host that works on several
 //! columns at once.
 //!
-//! The same operations in the same order as in [`super::matrix`]; what no pattern holds is 0 here, and adds nothing.
+//! The same operations in the same order as in [`super::matrix`]; what no pattern holds is 0 here, and adds nothing. The
+//! same bits therefore as long as all numbers are finite; a step that leaves them ends the run either way.
 
 use super::layout::{Work, at};
 use super::matrix::{Row, gather};
@@ -83,7 +84,7 @@ impl Block<'_> {
         (self.exchanges[PLACE], self.own[PLACE]) = (shares, own);
         for place in PLACE + 1..ROWS {
             let exchange = self.exchanges[place][PLACE];
-            // Loops that do not touch each other are then solved side by side. The pattern decides it, and a NaN stays.
+            // What exchanges nothing adds nothing; loops that do not touch each other are then solved side by side.
             if exchange != 0.0 {
                 self.own[place] = math::each(&self.own[place], &own, |sum, own| sum + exchange * own);
                 self.exchanges[place] =
@@ -189,8 +190,9 @@ mod tests {
             let mut filled = std::vec![0.0f32; 1_000];
             let work = Work::of(&network, &mut filled);
             for port in work.ports.iter_mut() {
-                // Conductances over ten powers of ten.
-                *port = [math::exp(23.0 * random() - 23.0), random() - 0.5];
+                // Conductances over ten powers of ten, and some that let nothing pass.
+                let through = if random() < 0.2 { 0.0 } else { math::exp(23.0 * random() - 23.0) };
+                *port = [through, random() - 0.5];
             }
             for (excess, known) in work.excess.iter_mut().zip(work.known.iter_mut()) {
                 (*excess, *known) = (math::exp(23.0 * random() - 23.0), random() - 0.5);

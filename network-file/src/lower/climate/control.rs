@@ -18,6 +18,48 @@ impl Lowering<'_, '_> {
         }
         for (index, (entry, first_input)) in file.controls.iter().zip(first_inputs).enumerate() {
             self.control(entry, &path(index), first_input);
+            if self.returns(index) {
+                let reason = format!("`{}` drives its own set point in the end, through others", entry.id);
+                self.notes.refuse_at(&path(index), &["drives"], reason);
+            }
+        }
+    }
+
+    /// The control whose set point has the name of an input.
+    fn of_setpoint(&self, name: &str) -> Option<usize> {
+        let id = name.strip_suffix(".setpoint")?;
+        self.file.controls.iter().position(|control| control.id == id)
+    }
+
+    /// Whether the set points that a control drives lead back to its own by way of others.
+    fn returns(&self, index: usize) -> bool {
+        let driven = |control: usize| {
+            let entry = &self.file.controls[control];
+            let names = [Some(&entry.drives), entry.opposite.as_ref()];
+            names.into_iter().flatten().filter_map(|name| self.of_setpoint(name)).collect::<Vec<_>>()
+        };
+        let (mut open, mut seen) = (driven(index), vec![index]);
+        while let Some(next) = open.pop() {
+            if !seen.contains(&next) {
+                seen.push(next);
+                let further = driven(next);
+                if further.contains(&index) {
+                    return true;
+                }
+                open.extend(further);
+            }
+        }
+        false
+    }
+
+    /// Unit of what an input takes; of a set point that of what is measured.
+    fn unit_of(&self, slot: u32) -> &'static str {
+        let Some(slot) = self.tables.slots.get(slot as usize) else { return "" };
+        let Some(control) = self.of_setpoint(&slot.name) else { return slot.spec.unit };
+        match self.file.controls[control].measures.rsplit('.').next() {
+            Some("temperature" | "dew_point" | "air_outlet") => "K",
+            Some("relative_humidity") => "1",
+            _ => "Pa",
         }
     }
 
@@ -49,9 +91,21 @@ impl Lowering<'_, '_> {
                 format!("`{}` is an input of this control itself", self.tables.slots[slot as usize].name);
             self.notes.refuse_at(path, &[key], reason);
         }
+        for name in [Some(&entry.drives), entry.opposite.as_ref()].into_iter().flatten() {
+            let Some(inner) = self.of_setpoint(name).map(|index| &self.file.controls[index]) else {
+                continue;
+            };
+            let range = inner.sensor_min..=inner.sensor_max;
+            if !range.contains(&entry.closed) || !range.contains(&entry.open) {
+                let reason = format!(
+                    "drives `{name}` over {} … {}, and its sensor reads {} … {}",
+                    entry.closed, entry.open, inner.sensor_min, inner.sensor_max
+                );
+                self.notes.refuse_at(path, &["closed", "open"], reason);
+            }
+        }
         if let [Some(drives), Some(opposite)] = driven {
-            let of = |slot: u32| self.tables.slots.get(slot as usize).map_or("", |slot| slot.spec.unit);
-            let (drives, opposite) = (of(drives), of(opposite));
+            let (drives, opposite) = (self.unit_of(drives), self.unit_of(opposite));
             if drives != opposite {
                 let reason = format!(
                     "`drives` takes a value in {drives}, `opposite` one in {opposite}: what is left of \
@@ -114,12 +168,12 @@ impl Lowering<'_, '_> {
                     }
                 }
             }
-            found.unwrap_or(0) as u32
+            found.map(|found| found as u32)
         };
         let values = [entry.closed, entry.open];
         let drives = slot("drives", &entry.drives, &values);
-        let opposite = entry.opposite.as_ref().map(|name| slot("opposite", name, &values));
-        self.sense(entry, path, first_input, [Some(drives), opposite]);
+        let opposite = entry.opposite.as_ref().and_then(|name| slot("opposite", name, &values));
+        self.sense(entry, path, first_input, [drives, opposite]);
         let controller = controller(&entry.kind);
         let sensor = Sensor {
             min: entry.sensor_min as f32,
@@ -148,7 +202,7 @@ impl Lowering<'_, '_> {
             sensor,
             controller,
             actuator,
-            drives,
+            drives: drives.unwrap_or(0),
             opposite: opposite.unwrap_or(ControlLoop::NONE),
             first_input,
         });
