@@ -70,8 +70,10 @@ fn a_slider_moves_the_plant_and_the_drawing() {
     );
     let open = plant.value("loop.mass_flow");
     let arrows = "return document.querySelector('#l0a').getAttribute('d')";
-    assert!(browser.run(arrows).as_str().unwrap().matches('M').count() > 5, "arrows are drawn");
+    // Those that would lie under a symbol are left out: five to eight are left, by where they are on their way.
     let drawn = browser.run(arrows);
+    let count = drawn.as_str().unwrap().matches('M').count();
+    assert!((4..10).contains(&count), "{count} arrows are drawn: {drawn}");
     browser
         .wait("arrows move", &format!("return document.querySelector('#l0a').getAttribute('d') !== {drawn}"));
     // By keyboard alone: all the way to the left.
