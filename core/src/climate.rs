@@ -24,7 +24,7 @@ pub mod stream;
 mod supply;
 pub mod volume;
 
-pub(crate) use buffers::sizes;
+pub(crate) use buffers::{arrived, sizes};
 pub use crew::Crew;
 pub(crate) use density::virtual_k;
 pub use exchanger::{Exchanger, ExchangerReadings};
@@ -32,7 +32,8 @@ pub use observe::Ledger;
 pub(crate) use observe::Observed;
 pub use parts::{Passage, Remover, Source, Station, Wall};
 pub use regulation::{ControlLoop, Measure};
-pub(crate) use step::{Given, Stepped, control, start, step};
+pub(crate) use step::{Given, Stepped, control, flowing_kg, start, step, supply};
+pub(crate) use volume::Stored;
 pub use volume::{Contents, Readings, Volume};
 
 use self::medium::{Medium, PARTS};

@@ -220,6 +220,10 @@ impl<'a, E: Element> Simulator<'a, E> {
             climate::control::<E, UNROLL>(network, h, self.tick, climate_state, climate_work, inputs);
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
+        let at = climate::Stepped { step_s: h, inputs: start };
+        if !network.climate.is_none() {
+            climate::supply::<E, UNROLL>(network, at, climate_state, climate_work);
+        }
         let virtual_k = climate::virtual_k(network, climate_work);
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
         let (margin, mut place) = match settings.method {
@@ -234,19 +238,25 @@ impl<'a, E: Element> Simulator<'a, E> {
                 h,
                 state,
                 work,
-                StageInputs { start, middle, end, virtual_k },
+                StageInputs {
+                    start,
+                    middle,
+                    end,
+                    virtual_k,
+                    arrived: climate::arrived(&network.climate, climate_work),
+                },
             ),
         };
         if !network.climate.is_none() {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
-            let at = climate::Stepped { step_s: h, inputs: start, given };
             let stride = settings.method.node_stride();
             let flow = |node: usize, gauge_pa: Option<f32>| {
                 let figures = work.get_mut(node * stride..).unwrap_or(&mut []);
                 settings.method.meet(figures, gauge_pa)
             };
-            place = place.or(climate::step::<E, UNROLL>(network, at, climate_state, climate_work, flow));
+            place =
+                place.or(climate::step::<E, UNROLL>(network, at, given, climate_state, climate_work, flow));
         }
         self.count(settings, margin, place)
     }

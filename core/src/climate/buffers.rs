@@ -96,6 +96,13 @@ impl<'w> Work<'w> {
     }
 }
 
+/// What has arrived at the volumes so far in this step; nothing without a climate.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn arrived<'w>(climate: &Climate<'_>, work: &'w [f32]) -> &'w [Stored] {
+    Look(work).rows(climate.volumes.len())
+}
+
 /// The same rows, read only.
 pub(super) struct Seen<'o> {
     pub(super) value: &'o [Stored],

@@ -6,7 +6,7 @@ use super::condenser::{Coil, WallFigures, WallStates};
 use super::exchanger;
 use super::medium::{LIQUID, NITROGEN};
 use super::parts::{Passage, Station};
-use super::step::{Stepped, input};
+use super::step::{Given, Stepped, input};
 use super::stream::Stream;
 use super::volume::{Contents, ENERGY, Stored};
 use crate::unroll::every;
@@ -60,6 +60,7 @@ pub(super) fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &m
 pub(super) fn move_lines<E, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
+    given: Given<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
@@ -71,9 +72,22 @@ pub(super) fn move_lines<E, const UNROLL: bool>(
             let count = if UNROLL { 0 } else { stations.iter().take_while(own).count() };
             let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
             stations = rest;
-            move_line::<E, UNROLL>(network, at, (index, line), here, state, work);
+            if let Some(moved) = moved_kg(given, index, work) {
+                move_line::<E, UNROLL>(network, at, (index, line), moved, here, state, work);
+            }
         }
     });
+}
+
+/// What a line has given since the last step [kg]: what the method's compensated sum grew by.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn moved_kg(given: Given<'_>, index: usize, work: &mut Work<'_>) -> Option<f32> {
+    let &[sum, carry] = given.sums.get(index * given.stride..)?.first_chunk()?;
+    let [last_sum, last_carry] = work.given.get_mut(index)?;
+    let moved = (sum - *last_sum) - (carry - *last_carry);
+    (*last_sum, *last_carry) = (sum, carry);
+    Some(moved)
 }
 
 #[inline(always)]
@@ -82,19 +96,11 @@ fn move_line<E, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
     (index, line): (usize, &Line),
+    moved: f32,
     here: &[Station],
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
-    let Some(&[sum, carry]) =
-        at.given.sums.get(index * at.given.stride..).and_then(|rest| rest.first_chunk())
-    else {
-        return;
-    };
-    let Some([last_sum, last_carry]) = work.given.get_mut(index) else { return };
-    // What the method's compensated sum grew by in this step.
-    let moved = (sum - *last_sum) - (carry - *last_carry);
-    (*last_sum, *last_carry) = (sum, carry);
     let (from, to) = (line.from as usize, line.to as usize);
     // Said twice, both ends are known where the description is.
     if moved < 0.0 {

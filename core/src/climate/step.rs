@@ -4,7 +4,7 @@ use super::buffers::{State, Work};
 use super::lines::{begin_coils, move_lines, settle_coils};
 use super::medium::{PARTS, VAPOUR};
 use super::supply::{pass_walls, supply_volumes};
-use super::volume::{self, Constants, Held};
+use super::volume::{self, Constants, Held, Stored};
 use super::{Climate, ControlLoop, Measure, density};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
@@ -149,6 +149,29 @@ fn measure(climate: &Climate<'_>, work: &Work<'_>, measure: Measure) -> f32 {
     }
 }
 
+/// What comes into the volumes from outside in the coming step, before its flows are solved: crew, sources, removal, free
+/// water, walls. All of it follows from what the volumes held at the end of the last step.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn supply<E, const UNROLL: bool>(
+    network: &Network<'_, E>,
+    at: Stepped<'_>,
+    state: &mut [f32],
+    work: &mut [f32],
+) {
+    let climate = &network.climate;
+    let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
+    supply_volumes::<E, UNROLL>(network, at, &mut state, &mut work);
+    pass_walls::<UNROLL>(climate, at, &mut state, &mut work);
+}
+
+/// Gas, or coolant, among what has arrived at a volume [kg].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+pub(crate) fn flowing_kg([nitrogen, oxygen, carbon_dioxide, vapour, trace, ..]: &Stored) -> f32 {
+    ((nitrogen + oxygen) + (carbon_dioxide + vapour)) + trace
+}
+
 /// What a step needs from outside.
 #[derive(Clone, Copy)]
 pub(crate) struct Stepped<'s> {
@@ -156,8 +179,6 @@ pub(crate) struct Stepped<'s> {
     pub(crate) step_s: f32,
     /// Inputs of the step.
     pub(crate) inputs: &'s [f32],
-    /// What all lines have given.
-    pub(crate) given: Given<'s>,
 }
 
 /// What all lines have given to their outlet nodes since the start, as the flow method sums it.
@@ -177,6 +198,7 @@ pub(crate) struct Given<'s> {
 pub(crate) fn step<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
+    given: Given<'_>,
     state: &mut [f32],
     work: &mut [f32],
     mut flow: impl FnMut(usize, Option<f32>) -> f32,
@@ -185,10 +207,8 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let (work, virtual_k) = density::cut(network, work);
     let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
     begin_coils(climate, &mut state, &mut work);
-    move_lines::<E, UNROLL>(network, at, &mut state, &mut work);
+    move_lines::<E, UNROLL>(network, at, given, &mut state, &mut work);
     settle_coils(climate, at, &mut state, &mut work);
-    supply_volumes::<E, UNROLL>(network, at, &mut state, &mut work);
-    pass_walls::<UNROLL>(climate, at, &mut state, &mut work);
     let mut place = None;
     let states = state.value.iter_mut().zip(state.carry).zip(state.owed.iter_mut().zip(state.owed_carry));
     let books = work.books.net.iter_mut().zip(work.books.lost.iter_mut());

@@ -109,7 +109,7 @@ pub(super) const STORED: usize = PARTS + 2;
 /// Place of the energy among them.
 pub(super) const ENERGY: usize = PARTS;
 /// One row of what is stored, or of its carries.
-pub(super) type Stored = [f32; STORED];
+pub(crate) type Stored = [f32; STORED];
 
 /// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass of gas, or
 /// of coolant [kg]; mass that came in and that went out in this step [kg]; φ.

@@ -20,6 +20,9 @@
 //! is a part of the correction, not of pressures, and the next one sees it as imbalance: volumes so small that a
 //! rounding of their pressure drives more flow than a rounding of the flow takes are no less at rest than others.
 //!
+//! What a climate brings into a volume from outside within the step is a known part of its balance. What it does with heat
+//! is not: a volume that is heated at rest is as much cooled by what flows through it.
+//!
 //! Masses move by mean flows over the step, each rounded once, never by the solved pressures.
 
 pub(crate) mod law;
@@ -34,6 +37,7 @@ use self::layout::{State, Work, at, continues, is_joined};
 use self::respond::Place as At;
 use self::segment::{Columns, Model};
 use super::responsive::{self, Given};
+use crate::climate::{self, Stored};
 use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -222,6 +226,18 @@ pub(crate) struct StageInputs<'i> {
     pub(crate) end: &'i [f32],
     /// Virtual temperature of every node at the step's start, see [`Given`].
     pub(crate) virtual_k: &'i [f32],
+    /// What comes into every volume from outside in this step; empty without a climate.
+    pub(crate) arrived: &'i [Stored],
+}
+
+impl StageInputs<'_> {
+    /// What comes from outside as a flow into every volume [kg/s].
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    fn supplied(&self, step_s: f32) -> impl Iterator<Item = f32> {
+        let per_step = 1.0 / step_s;
+        self.arrived.iter().map(move |row| climate::flowing_kg(row) * per_step)
+    }
 }
 
 /// The columns of a pass, out of the work buffer.
@@ -279,6 +295,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     law::update::<E, UNROLL, false>(network, model.tau, first, state.flow, work);
     respond!(first, At::Start);
     work.known.fill(0.0);
+    work.known.iter_mut().zip(inputs.supplied(h)).for_each(|(known, flow)| *known = flow);
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true>(model, state.flow, work);
@@ -297,6 +314,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         {
             *known = (CARRY_OVER - 1.0) * capacity * delta;
         }
+        work.known.iter_mut().zip(inputs.supplied(h)).for_each(|(known, flow)| *known += flow);
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::NextStage);

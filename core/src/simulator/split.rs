@@ -57,12 +57,15 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
             climate::control::<E, false>(network, h, tick, climate_state, climate_work, inputs);
         }
         let inputs = inputs.get(..network.inputs.len()).unwrap_or(&[]);
+        let at = climate::Stepped { step_s: h, inputs };
+        if !network.climate.is_none() {
+            climate::supply::<E, false>(network, at, climate_state, climate_work);
+        }
         let now = Given { inputs, virtual_k: climate::virtual_k(network, climate_work) };
         let (margin, mut place) = split::step(network, h, state, work, now, &mut self.buffers, join);
         if !network.climate.is_none() {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
-            let at = climate::Stepped { step_s: h, inputs, given };
             // Puts φ where it is read.
             self.buffers.show(network, work);
             let stride = settings.method.node_stride();
@@ -72,7 +75,8 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
                 }
                 settings.method.meet(work.get_mut(node * stride..).unwrap_or(&mut []), gauge_pa)
             };
-            place = place.or(climate::step::<E, false>(network, at, climate_state, climate_work, flow));
+            place =
+                place.or(climate::step::<E, false>(network, at, given, climate_state, climate_work, flow));
         }
         self.shown = false;
         simulator.count(settings, margin, place)
