@@ -4,17 +4,20 @@
 //!
 //! ```text
 //! line   loss(w) = p_from − p_to            (quasi-steady; volumes and inertances inside lines play no part)
-//! node   Σ given − Σ taken = Cap·r          r = dp/dt of the node's island, 0 wherever an island can rest
+//! node   Σ given − Σ taken + s = Cap·r      s from sources of gas; r = dp/dt of the node's island, 0 wherever an island can rest
 //! ```
 //!
 //! An *island* is what hangs together through lines. One with a boundary has its pressures from there. One
 //! without keeps its mass, so the level of its pressures follows from the mass at the start; if something in it
-//! is drained it never comes to rest: its flows do, while all its pressures fall at one rate r.
+//! is drained or supplied it never comes to rest: its flows do, while all its pressures fall at one rate r.
 //!
 //! Solved by Newton's method in flows and pressures together (the global gradient algorithm of Todini and
 //! Pilati, 1988), with the slope of a line's loss taken at the larger of its flow and the flow that the present
 //! pressures would drive, and the step halved where it does not help. Nothing here is shared with the methods
 //! that step in time but the elements' laws, so that it can judge them.
+//!
+//! Of a climate only the gas of sources is in the balance; temperatures and compositions stay those of the start, and
+//! what crews, removers and fog do to the mass of air is left out.
 
 mod characteristic;
 mod elimination;
@@ -23,6 +26,7 @@ mod memory;
 mod newton;
 mod response;
 
+use eclss_core::climate::Source;
 use eclss_core::element::Element;
 use eclss_core::{Network, NetworkError, NodeKind};
 
@@ -61,11 +65,11 @@ pub enum SteadyError {
         /// The nodes.
         nodes: Vec<u32>,
     },
-    /// An island without boundary is drained: its pressures fall for ever.
+    /// An island without boundary is drained or supplied: its pressures change for ever.
     Drained {
         /// Its nodes.
         nodes: Vec<u32>,
-        /// The lines that drain.
+        /// The lines that drain; none where only sources supply.
         lines: Vec<u32>,
         /// Rate of all its pressures [Pa/s].
         rate_pa_s: f64,
@@ -135,6 +139,13 @@ pub(crate) fn islands_without_boundary<E: Element>(network: &Network<'_, E>) -> 
     closed.into_iter().map(|island| island.nodes).collect()
 }
 
+/// What a source adds to the gas of its node at these inputs [kg/s]; liquid water and heat are none.
+pub(crate) fn gas_kg_s(source: Source, inputs: &[f32]) -> f64 {
+    let first = source.first_input as usize;
+    let gases = first + 1..first + Source::INPUTS.len() - 1;
+    inputs.get(gases).unwrap_or(&[]).iter().map(|value| f64::from(*value)).sum()
+}
+
 /// Capacity dm/dp of a node [kg/Pa]; 0 for a junction and, as it never matters, for a boundary.
 fn capacity(node: &eclss_core::Node) -> f64 {
     match node.kind {
@@ -159,6 +170,11 @@ impl SteadyError {
             Self::Floating { nodes: list } => {
                 format!("nothing fixes the pressure of {}: no volume and no boundary among them", nodes(list))
             }
+            Self::Drained { nodes: list, lines, rate_pa_s } if lines.is_empty() => format!(
+                "no steady state: {} have no boundary and sources that change their mass; their pressures change by \
+                 {rate_pa_s:.4} Pa/s for ever",
+                nodes(list)
+            ),
             Self::Drained { nodes: list, lines, rate_pa_s } => format!(
                 "no steady state: {} have no boundary and lose mass through {}; their pressures change by \
                  {rate_pa_s:.4} Pa/s for ever",

@@ -5,11 +5,10 @@
 //! steady state has no answer, and that is said before it is looked for.
 
 use eclss_core::NodeKind;
-use eclss_core::climate::Source;
 
 use crate::loaded::Loaded;
 use crate::notes::Notes;
-use crate::steady::{SteadyError, islands_without_boundary, steady};
+use crate::steady::{SteadyError, gas_kg_s, islands_without_boundary, steady};
 
 /// Lines of the file where nodes and lines are named, counted from 1; empty for a network that was not read from text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -81,7 +80,10 @@ impl SteadyError {
 pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
     let network = loaded.network();
     let mut list = Vec::new();
-    if let Err(error) = steady(&network, &loaded.inputs) {
+    // Sources are told one by one.
+    let by_sources =
+        |error: &SteadyError| matches!(error, SteadyError::Drained { lines, .. } if lines.is_empty());
+    if let Some(error) = steady(&network, &loaded.inputs).err().filter(|error| !by_sources(error)) {
         list.push(Unrest {
             line: error.place(loaded),
             reason: error.text(&loaded.names),
@@ -111,11 +113,4 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
         }
     }
     list
-}
-
-/// What a source adds to the gas of its node at these inputs [kg/s]; liquid water and heat are none.
-fn gas_kg_s(source: Source, inputs: &[f32]) -> f64 {
-    let first = source.first_input as usize;
-    let gases = first + 1..first + Source::INPUTS.len() - 1;
-    inputs.get(gases).unwrap_or(&[]).iter().map(|value| f64::from(*value)).sum()
 }

@@ -4,6 +4,8 @@
 mod support;
 
 use eclss_core::Health;
+use eclss_network_file::parse;
+use eclss_network_file::steady::steady;
 use support::with_network;
 
 /// A box of nitrogen with a source of it, open to the ambient through a pipe.
@@ -86,4 +88,31 @@ fn a_source_that_begins_is_felt_in_the_same_step() {
             assert!((coarse / fine - 1.0).abs() < 0.05, "{method}: {coarse} kg/s of {fine}");
         }
     }
+}
+
+#[test]
+fn what_is_supplied_is_in_the_state_of_rest() {
+    let text = boxed("implicit-euler", "10ms", 0.05);
+    let loaded = parse(&text, "box.toml").unwrap();
+    let rest = steady(&loaded.network(), &loaded.inputs).unwrap();
+    assert!((rest.flow_kg_s[0] / f64::from(0.05f32) - 1.0).abs() < 1e-9, "{rest:?}");
+    assert!((rest.gauge_pa[0] / 2.5 - 1.0).abs() < 1e-6, "{rest:?}");
+    // A run that starts there stays there.
+    let text = text.replace("step = \"10ms\"", "step = \"10ms\"\nstart = \"steady\"");
+    with_network(&text, |_, simulator| {
+        for _ in 0..100 {
+            assert_eq!(simulator.step(), Health::Trusted);
+            let (flow, pressure) = (simulator.line_flow_kg_s(0), simulator.node_gauge_pa(0));
+            assert!((flow / 0.05 - 1.0).abs() < 1e-3, "{flow} kg/s at tick {}", simulator.tick());
+            assert!((pressure / 2.5 - 1.0).abs() < 1e-2, "{pressure} Pa at tick {}", simulator.tick());
+        }
+    });
+    // What a closed box is given makes its pressure rise for ever.
+    let closed = boxed("implicit-euler", "10ms", 0.05)
+        .replace("kind = \"boundary\"", "kind = \"cabin\"\nvolume_m3 = 9.8");
+    let loaded = parse(&closed, "closed.toml").unwrap();
+    let error = steady(&loaded.network(), &loaded.inputs).unwrap_err().text(&loaded.names);
+    // R·T·0.05 kg/s into 10 m³.
+    let rate: f64 = error.split("change by ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((rate / (287.055 * 295.15 * 0.05 / 10.0) - 1.0).abs() < 1e-3, "{error}");
 }

@@ -8,7 +8,7 @@ use super::elimination::Matrix;
 use super::island::Islands;
 use super::memory::Memories;
 use super::response::{self, Circumstances};
-use super::{Steady, SteadyError, capacity};
+use super::{Steady, SteadyError, capacity, gas_kg_s};
 use crate::plan::PlanTables;
 
 /// Most Newton iterations.
@@ -47,6 +47,8 @@ struct Problem<'n, E> {
     /// Connections with one node of every closed island held.
     tables: PlanTables,
     capacity: Vec<f64>,
+    /// Gas that sources bring into every node [kg/s].
+    supplied: Vec<f64>,
     /// Closed island of every node, `usize::MAX` for a node of one that is held.
     island: Vec<usize>,
     /// What the elements with a memory stand at.
@@ -160,6 +162,7 @@ impl<'n, E: Element> Problem<'n, E> {
             islands,
             tables,
             capacity,
+            supplied: supplied_kg_s(network, inputs),
             island,
             memory,
             span_pa: 0.0,
@@ -185,7 +188,9 @@ impl<'n, E: Element> Problem<'n, E> {
         }
         let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
         self.span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
-        self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head)).collect();
+        // What sources bring may leave through any line.
+        let supplied: f64 = self.supplied.iter().map(|flow| flow.abs()).sum();
+        self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head).max(supplied)).collect();
         self.node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
         for (line, flow) in network.lines.iter().zip(&self.line_kg_s) {
             self.node_kg_s[line.from as usize] += flow;
@@ -219,7 +224,7 @@ impl<'n, E: Element> Problem<'n, E> {
     /// Completes a point: laws at its flows, and how far it is from balance.
     fn at(&self, gauge: Vec<f64>, flow: Vec<f64>, rate: Vec<f64>) -> Point {
         let laws = self.laws(&gauge, &flow);
-        let mut net = self.stored(&rate);
+        let mut net = self.own(&rate);
         let mut imbalance = 0.0f64;
         for ((line, law), &w) in self.network.lines.iter().zip(&laws).zip(&flow) {
             let drop = Self::drop_pa(line, &gauge);
@@ -236,10 +241,12 @@ impl<'n, E: Element> Problem<'n, E> {
         Point { gauge, flow, rate, laws, residual }
     }
 
-    /// What every node's balance has to give to its own storage, as a negative inflow [kg/s].
-    fn stored(&self, rate: &[f64]) -> Vec<f64> {
-        let of = |(&island, &capacity): (&usize, &f64)| -capacity * rate.get(island).copied().unwrap_or(0.0);
-        self.island.iter().zip(&self.capacity).map(of).collect()
+    /// What every node's balance has beside its lines: what sources bring, less what goes into its own storage [kg/s].
+    fn own(&self, rate: &[f64]) -> Vec<f64> {
+        let of = |((&island, &capacity), &supplied): ((&usize, &f64), &f64)| {
+            supplied - capacity * rate.get(island).copied().unwrap_or(0.0)
+        };
+        self.island.iter().zip(&self.capacity).zip(&self.supplied).map(of).collect()
     }
 
     /// One damped Newton step.
@@ -270,7 +277,8 @@ impl<'n, E: Element> Problem<'n, E> {
         let rows = self.tables.order.len();
         let row = |node: u32| Some(self.tables.row_of[node as usize] as usize).filter(|row| *row < rows);
         let mut matrix = Matrix::new(&self.tables);
-        let mut known = vec![0.0; rows];
+        let mut known: Vec<f64> =
+            self.tables.order.iter().map(|&node| self.supplied[node as usize]).collect();
         // Of every line: 1/slope, and the flow at unchanged pressures.
         let mut lines = Vec::with_capacity(self.network.lines.len());
         let all = self.network.lines.iter().zip(&point.laws).zip(&point.flow).zip(&self.tables.stamps);
@@ -320,12 +328,13 @@ impl<'n, E: Element> Problem<'n, E> {
     /// Rates of the closed islands: what arrives at the node that stands for the level is stored there too.
     fn rates(&self, point: &Point, lines: &[([f64; 2], f64)], known: &[f64], storing: &[f64]) -> Vec<f64> {
         let rate_of = |closed: &super::island::Closed| {
-            if closed.drains.is_empty() {
+            let is_supplied = closed.nodes.iter().any(|&node| self.supplied[node as usize].abs() > 0.0);
+            if closed.drains.is_empty() && !is_supplied {
                 return 0.0;
             }
             let pinned = closed.pinned;
             // Net inflow of the pinned node with the rate at 0, and how much of it every unit of rate costs.
-            let (mut net, mut cost) = (0.0, self.capacity_of(pinned));
+            let (mut net, mut cost) = (self.supplied[pinned as usize], self.capacity_of(pinned));
             let moved =
                 |node: u32, list: &[f64]| list.get(self.tables.row_of[node as usize] as usize).copied();
             for ((line, law), &([by_from, by_to], ahead)) in
@@ -385,6 +394,17 @@ impl<'n, E: Element> Problem<'n, E> {
         let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;
         Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations, residual })
     }
+}
+
+/// Gas that the sources of a network bring into every node at these inputs [kg/s].
+fn supplied_kg_s<E>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
+    let mut supplied = vec![0.0; network.nodes.len()];
+    for source in network.climate.sources {
+        if let Some(node) = supplied.get_mut(source.node as usize) {
+            *node += gas_kg_s(*source, inputs);
+        }
+    }
+    supplied
 }
 
 /// The larger of two sizes; NaN where one is.
