@@ -9,6 +9,7 @@
 
 mod books;
 mod buffers;
+mod coils;
 pub mod condenser;
 pub mod crew;
 mod density;

@@ -2,15 +2,14 @@
 
 use super::Climate;
 use super::buffers::{State, Work};
-use super::condenser::{Coil, WallFigures, WallStates};
-use super::exchanger;
-use super::medium::{LIQUID, NITROGEN};
+use super::coils::{clean, coil};
+use super::medium::{LIQUID, Medium, NITROGEN};
 use super::parts::{Passage, Station};
 use super::step::{Given, Stepped, input};
 use super::stream::Stream;
-use super::volume::{Contents, ENERGY, Stored};
+use super::volume::{Contents, ENERGY, LEAST_K, MOST_K, Stored};
 use crate::unroll::every;
-use crate::{Line, Network};
+use crate::{Line, Network, math};
 
 /// A stream of air as a row; taken where `sign` is −1, with the same numbers.
 #[inline(always)]
@@ -18,40 +17,6 @@ use crate::{Line, Network};
 fn row(stream: &Stream, sign: f32) -> Stored {
     let [a, b, c, d, e, f] = stream.mass_kg;
     [sign * a, sign * b, sign * c, sign * d, sign * e, sign * f, sign * stream.energy_j, 0.0]
-}
-
-/// Share of its conductances that fouling has left to an exchanger [1].
-fn clean(climate: &Climate<'_>, at: Stepped<'_>, index: usize) -> f32 {
-    climate.exchangers.get(index).map_or(1.0, |exchanger| 1.0 - input(at.inputs, exchanger.first_input + 3))
-}
-
-/// One coil of the network while it is stepped.
-fn coil<'c>(
-    climate: &'c Climate<'_>,
-    clean: f32,
-    index: usize,
-    walls: &'c mut [WallStates],
-    figures: &'c mut [WallFigures],
-) -> Option<Coil<'c>> {
-    let exchanger = climate.exchangers.get(index)?;
-    Some(Coil {
-        condenser: &exchanger.condenser,
-        air: &climate.air,
-        clean,
-        reference_k: climate.reference_k,
-        start_theta_k: exchanger.start_k - climate.reference_k,
-        walls: walls.get_mut(index)?,
-        figures: figures.get_mut(index)?,
-    })
-}
-
-/// Derives the temperatures of all walls.
-pub(super) fn begin_coils(climate: &Climate<'_>, state: &mut State<'_>, work: &mut Work<'_>) {
-    for index in 0..climate.exchangers.len() {
-        if let Some(mut coil) = coil(climate, 1.0, index, state.coils, work.coils) {
-            coil.begin();
-        }
-    }
 }
 
 /// Passes every line's stream from the volume upstream through its stations to the volume downstream.
@@ -136,18 +101,43 @@ fn carry_over<E, const UNROLL: bool, const REVERSED: bool>(
     if volume.contents == Contents::Air {
         let mut stream = Stream::of(mass, fractions, theta, &climate.air);
         work.books.add_flow(up, &row(&stream, -1.0));
-        meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
+        let heat = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
+        leave_behind(climate, heat, theta, &climate.air, &mut stream, (up, work));
         work.books.add_flow(down, &row(&stream, 1.0));
     } else {
         let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
         work.books.add(up, [NITROGEN, ENERGY], [-mass, -stream.energy_j]);
-        meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
+        let heat = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
+        leave_behind(climate, heat, theta, &climate.coolant, &mut stream, (up, work));
         work.books.add(down, [NITROGEN, ENERGY], [mass, stream.energy_j]);
     }
 }
 
+/// What a stream cannot carry of the heat that machines and heaters gave it, because it would leave hotter or colder than is
+/// followed, warms both ends of its line alike: nothing carries it either way.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn leave_behind(
+    climate: &Climate<'_>,
+    heat_j: f32,
+    theta_k: f32,
+    medium: &Medium,
+    stream: &mut Stream,
+    (up, work): (usize, &mut Work<'_>),
+) {
+    if heat_j != 0.0 {
+        let (capacity, temperature_k) = (stream.capacity_j_k(medium), climate.reference_k + theta_k);
+        let most = capacity * math::larger(MOST_K - temperature_k, 0.0);
+        let least = capacity * math::smaller(LEAST_K - temperature_k, 0.0);
+        let carried = math::larger(least, math::smaller(most, heat_j));
+        let behind = 0.5 * (heat_j - carried);
+        stream.energy_j -= behind;
+        work.books.add(up, [ENERGY], [behind]);
+    }
+}
+
 /// What a stream meets on its way along a line: what is `here`, or for a description that the compiler knows, what of
-/// all stations is on this line.
+/// all stations is on this line. Returns the heat that machines and heaters gave it [J].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn meet<const UNROLL: bool, const REVERSED: bool>(
@@ -158,10 +148,11 @@ fn meet<const UNROLL: bool, const REVERSED: bool>(
     pressure: f32,
     state: &mut State<'_>,
     work: &mut Work<'_>,
-) {
+) -> f32 {
+    let mut heat = 0.0;
     if !UNROLL {
         if here.is_empty() {
-            return;
+            return heat;
         }
         return meet_apart(climate, at, here, stream, (pressure, REVERSED), state, work);
     }
@@ -171,9 +162,10 @@ fn meet<const UNROLL: bool, const REVERSED: bool>(
         if let Some(station) = stations.get(place)
             && station.line as usize == line
         {
-            pass(climate, at, &station.passage, stream, (pressure, REVERSED), state, work);
+            heat += pass(climate, at, &station.passage, stream, (pressure, REVERSED), state, work);
         }
     });
+    heat
 }
 
 /// A function of its own, which most lines do not call.
@@ -186,16 +178,19 @@ fn meet_apart(
     (pressure, reversed): (f32, bool),
     state: &mut State<'_>,
     work: &mut Work<'_>,
-) {
+) -> f32 {
+    let mut heat = 0.0;
     for place in 0..here.len() {
         let place = if reversed { here.len() - 1 - place } else { place };
         if let Some(station) = here.get(place) {
-            pass(climate, at, &station.passage, stream, (pressure, reversed), state, work);
+            heat += pass(climate, at, &station.passage, stream, (pressure, reversed), state, work);
         }
     }
+    heat
 }
 
-/// What a stream at `pressure` [Pa] meets at one station.
+/// What a stream at `pressure` [Pa] meets at one station. Returns the heat that is put into it, however little of it there
+/// is [J]; what passes walls is none of that.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn pass(
@@ -206,18 +201,20 @@ fn pass(
     (pressure, reversed): (f32, bool),
     state: &mut State<'_>,
     work: &mut Work<'_>,
-) {
+) -> f32 {
     match *passage {
         Passage::Machine { power_w, speed_input } => {
             let speed = input(at.inputs, speed_input);
             let heat = power_w * speed * speed * speed * at.step_s;
             stream.energy_j += heat;
             state.outside.supply_heat(heat);
+            return heat;
         }
         Passage::Heater { power_input } => {
             let heat = input(at.inputs, power_input) * at.step_s;
             stream.energy_j += heat;
             state.outside.supply_heat(heat);
+            return heat;
         }
         Passage::Condenser(of) => {
             let index = of as usize;
@@ -254,33 +251,5 @@ fn pass(
             }
         }
     }
-}
-
-/// Coolant from outside, then heat and water of all coils.
-pub(super) fn settle_coils(
-    climate: &Climate<'_>,
-    at: Stepped<'_>,
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
-) {
-    for (index, exchanger) in climate.exchangers.iter().enumerate() {
-        let inputs = at.inputs.get(exchanger.first_input as usize..).and_then(<[f32]>::first_chunk);
-        let Some(&[efficiency, flow, temperature, fouling, discharge]) = inputs else { continue };
-        let Some(mut coil) = coil(climate, 1.0 - fouling, index, state.coils, work.coils) else { continue };
-        if exchanger.own_coolant {
-            let mass = flow * at.step_s;
-            let theta = temperature - climate.reference_k;
-            let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
-            let before = stream.energy_j;
-            coil.pass_coolant(&mut stream, at.step_s, &climate.coolant);
-            state.outside.supply_heat(before - stream.energy_j);
-            if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
-                *taken = stream.energy_j - before;
-            }
-        }
-        let drained = coil.settle();
-        let Some(stores) = state.stores.get_mut(index) else { continue };
-        let lost = exchanger::separate(exchanger, stores, drained, efficiency, discharge >= 0.5, at.step_s);
-        work.books.add(exchanger.outlet_node as usize, [LIQUID, ENERGY], [lost.water_kg, lost.energy_j]);
-    }
+    0.0
 }

@@ -1,7 +1,8 @@
 //! One step of everything beside the flows.
 
 use super::buffers::{State, Work};
-use super::lines::{begin_coils, move_lines, settle_coils};
+use super::coils::{begin_coils, settle_coils};
+use super::lines::move_lines;
 use super::medium::{PARTS, VAPOUR};
 use super::supply::{pass_walls, supply_volumes};
 use super::volume::{self, Constants, Held, Stored};
