@@ -25,7 +25,7 @@ pub mod stream;
 mod supply;
 pub mod volume;
 
-pub(crate) use buffers::{arrived, sizes};
+pub(crate) use buffers::{Running, sizes};
 pub use crew::Crew;
 pub(crate) use density::virtual_k;
 pub use exchanger::{Exchanger, ExchangerReadings};

@@ -216,15 +216,17 @@ impl<'a, E: Element> Simulator<'a, E> {
         };
         follow_schedules::<E, UNROLL>(network, settings, self.time_us, inputs, cursors);
         let h = settings.step_us as f32 * 1e-6;
-        if !network.climate.loops.is_empty() {
-            climate::control::<E, UNROLL>(network, h, self.tick, climate_state, climate_work, inputs);
+        let mut running = climate::Running::of(network, climate_state, climate_work);
+        if let Some(running) = running.as_mut() {
+            climate::control::<E, UNROLL>(network, h, self.tick, running, inputs);
         }
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let at = climate::Stepped { step_s: h, inputs: start };
-        if !network.climate.is_none() {
-            climate::supply::<E, UNROLL>(network, at, climate_state, climate_work);
+        if let Some(running) = running.as_mut() {
+            climate::supply::<E, UNROLL>(network, at, running);
         }
-        let virtual_k = climate::virtual_k(network, climate_work);
+        let (virtual_k, arrived) =
+            running.as_ref().map_or((&[][..], &[][..]), |running| (running.virtual_k(), running.arrived()));
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
         let (margin, mut place) = match settings.method {
             Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
@@ -238,16 +240,10 @@ impl<'a, E: Element> Simulator<'a, E> {
                 h,
                 state,
                 work,
-                StageInputs {
-                    start,
-                    middle,
-                    end,
-                    virtual_k,
-                    arrived: climate::arrived(&network.climate, climate_work),
-                },
+                StageInputs { start, middle, end, virtual_k, arrived },
             ),
         };
-        if !network.climate.is_none() {
+        if let Some(running) = running {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
             let stride = settings.method.node_stride();
@@ -255,8 +251,7 @@ impl<'a, E: Element> Simulator<'a, E> {
                 let figures = work.get_mut(node * stride..).unwrap_or(&mut []);
                 settings.method.meet(figures, gauge_pa)
             };
-            place =
-                place.or(climate::step::<E, UNROLL>(network, at, given, climate_state, climate_work, flow));
+            place = place.or(climate::step::<E, UNROLL>(network, at, given, running, flow));
         }
         self.count(settings, margin, place)
     }

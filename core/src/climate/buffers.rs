@@ -29,6 +29,35 @@ pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
     (state, work + density::kept(network))
 }
 
+/// State and work buffer of a climate, cut for one step.
+pub(crate) struct Running<'p> {
+    pub(super) state: State<'p>,
+    pub(super) work: Work<'p>,
+}
+
+impl<'p> Running<'p> {
+    /// Cuts the buffers; `None` for a network without a climate.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
+    pub(crate) fn of<E>(network: &Network<'_, E>, state: &'p mut [f32], work: &'p mut [f32]) -> Option<Self> {
+        let climate = &network.climate;
+        if climate.is_none() {
+            return None;
+        }
+        Some(Self { state: State::of(climate, state), work: Work::of(network, work) })
+    }
+
+    /// What has arrived at the volumes so far in this step.
+    pub(crate) fn arrived(&self) -> &[Stored] {
+        self.work.books.net
+    }
+
+    /// Virtual temperatures of all nodes [K]; none where no line asks.
+    pub(crate) fn virtual_k(&self) -> &[f32] {
+        self.work.virtual_k
+    }
+}
+
 /// The climate's part of the state.
 pub(super) struct State<'s> {
     pub(super) value: &'s mut [Stored],
@@ -74,6 +103,8 @@ pub(super) struct Work<'w> {
     /// What every line had given before this step, and its carry [kg].
     pub(super) given: &'w mut [[f32; 2]],
     pub(super) start: &'w mut [Start],
+    /// Virtual temperature of every node [K], see [`density`]; none where no line asks.
+    pub(super) virtual_k: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -92,15 +123,9 @@ impl<'w> Work<'w> {
             shown: cut.take_rows(exchangers),
             given: cut.take_rows(network.lines.len()),
             start: cut.take_rows(nodes),
+            virtual_k: cut.take(density::kept(network)),
         }
     }
-}
-
-/// What has arrived at the volumes so far in this step; nothing without a climate.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn arrived<'w>(climate: &Climate<'_>, work: &'w [f32]) -> &'w [Stored] {
-    Look(work).rows(climate.volumes.len())
 }
 
 /// The same rows, read only.

@@ -24,14 +24,6 @@ pub(crate) fn virtual_k<'w, E>(network: &Network<'_, E>, work: &'w [f32]) -> &'w
     work.get(first..).unwrap_or(&[])
 }
 
-/// Cuts the virtual temperatures off the end of a work buffer.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "nothing where the compiler knows that no line asks")]
-pub(super) fn cut<'w, E>(network: &Network<'_, E>, work: &'w mut [f32]) -> (&'w mut [f32], &'w mut [f32]) {
-    let first = work.len().saturating_sub(kept(network));
-    work.split_at_mut(first)
-}
-
 /// Derives the virtual temperatures of the nodes of all lines that respond.
 pub(super) fn derive<E>(
     network: &Network<'_, E>,

@@ -1,6 +1,6 @@
 //! One step of everything beside the flows.
 
-use super::buffers::{State, Work};
+use super::buffers::{Running, State, Work};
 use super::coils::{begin_coils, settle_coils};
 use super::lines::move_lines;
 use super::medium::{PARTS, VAPOUR};
@@ -43,7 +43,6 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     state.fill(0.0);
     work.fill(0.0);
     let climate = &network.climate;
-    let (work, virtual_k) = density::cut(network, work);
     let (state, work) = (State::of(climate, state), Work::of(network, work));
     let rows = work.fractions.iter_mut().zip(work.figures.iter_mut()).zip(work.start.iter_mut());
     for (index, ((fractions, figures), start)) in rows.enumerate() {
@@ -51,7 +50,7 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
             constants.start(fractions, figures, start);
         }
     }
-    density::derive(network, work.figures, work.fractions, virtual_k);
+    density::derive(network, work.figures, work.fractions, work.virtual_k);
     for (exchanger, shown) in climate.exchangers.iter().zip(work.shown.iter_mut()) {
         shown[2] = exchanger.start_k - climate.reference_k;
     }
@@ -74,14 +73,13 @@ pub(crate) fn control<E, const UNROLL: bool>(
     network: &Network<'_, E>,
     step_s: f32,
     tick: u64,
-    state: &mut [f32],
-    work: &mut [f32],
+    running: &mut Running<'_>,
     inputs: &mut [f32],
 ) {
     let climate = &network.climate;
-    let (state, work) = (State::of(climate, state), Work::of(network, work));
-    every!(UNROLL, climate.loops.iter().zip(state.loops), (control, state) => {
-        let measured = measure(climate, &work, control.measure);
+    let (state, work) = (&mut running.state, &running.work);
+    every!(UNROLL, climate.loops.iter().zip(state.loops.iter_mut()), (control, state) => {
+        let measured = measure(climate, work, control.measure);
         act(control, network.inputs.len(), step_s, tick, measured, state, inputs);
     });
 }
@@ -157,13 +155,11 @@ fn measure(climate: &Climate<'_>, work: &Work<'_>, measure: Measure) -> f32 {
 pub(crate) fn supply<E, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
-    state: &mut [f32],
-    work: &mut [f32],
+    running: &mut Running<'_>,
 ) {
-    let climate = &network.climate;
-    let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
-    supply_volumes::<E, UNROLL>(network, at, &mut state, &mut work);
-    pass_walls::<UNROLL>(climate, at, &mut state, &mut work);
+    let Running { state, work } = running;
+    supply_volumes::<E, UNROLL>(network, at, state, work);
+    pass_walls::<UNROLL>(&network.climate, at, state, work);
 }
 
 /// Gas, or coolant, among what has arrived at a volume [kg].
@@ -200,13 +196,11 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     network: &Network<'_, E>,
     at: Stepped<'_>,
     given: Given<'_>,
-    state: &mut [f32],
-    work: &mut [f32],
+    running: Running<'_>,
     mut flow: impl FnMut(usize, Option<f32>) -> f32,
 ) -> Option<Place> {
     let climate = &network.climate;
-    let (work, virtual_k) = density::cut(network, work);
-    let (mut state, mut work) = (State::of(climate, state), Work::of(network, work));
+    let Running { mut state, mut work } = running;
     begin_coils(climate, &mut state, &mut work);
     move_lines::<E, UNROLL>(network, at, given, &mut state, &mut work);
     settle_coils(climate, at, &mut state, &mut work);
@@ -240,6 +234,6 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             place = place.or(Some(Place::Node(index as u32)));
         }
     });
-    density::derive(network, work.figures, work.fractions, virtual_k);
+    density::derive(network, work.figures, work.fractions, work.virtual_k);
     place
 }

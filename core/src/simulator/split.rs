@@ -53,17 +53,18 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
         let inputs = &mut *simulator.inputs;
         follow_schedules::<E, false>(network, settings, simulator.time_us, inputs, simulator.cursors);
         let h = settings.step_us as f32 * 1e-6;
-        if !network.climate.loops.is_empty() {
-            climate::control::<E, false>(network, h, tick, climate_state, climate_work, inputs);
+        let mut running = climate::Running::of(network, climate_state, climate_work);
+        if let Some(running) = running.as_mut() {
+            climate::control::<E, false>(network, h, tick, running, inputs);
         }
         let inputs = inputs.get(..network.inputs.len()).unwrap_or(&[]);
         let at = climate::Stepped { step_s: h, inputs };
-        if !network.climate.is_none() {
-            climate::supply::<E, false>(network, at, climate_state, climate_work);
+        if let Some(running) = running.as_mut() {
+            climate::supply::<E, false>(network, at, running);
         }
-        let now = Given { inputs, virtual_k: climate::virtual_k(network, climate_work) };
+        let now = Given { inputs, virtual_k: running.as_ref().map_or(&[], climate::Running::virtual_k) };
         let (margin, mut place) = split::step(network, h, state, work, now, &mut self.buffers, join);
-        if !network.climate.is_none() {
+        if let Some(running) = running {
             let (first, stride) = settings.method.given_at(network.nodes.len());
             let given = climate::Given { sums: state.get(first..).unwrap_or(&[]), stride };
             // Puts φ where it is read.
@@ -75,8 +76,7 @@ impl<'a, E: Element> SplitSimulator<'a, E> {
                 }
                 settings.method.meet(work.get_mut(node * stride..).unwrap_or(&mut []), gauge_pa)
             };
-            place =
-                place.or(climate::step::<E, false>(network, at, given, climate_state, climate_work, flow));
+            place = place.or(climate::step::<E, false>(network, at, given, running, flow));
         }
         self.shown = false;
         simulator.count(settings, margin, place)
