@@ -33,8 +33,8 @@ pub use observe::Ledger;
 pub(crate) use observe::Observed;
 pub use parts::{Passage, Remover, Source, Station, Wall};
 pub use regulation::{ControlLoop, Measure};
-pub(crate) use step::{Given, Stepped, control, flowing_kg, start, step, supply};
-pub(crate) use volume::Stored;
+pub(crate) use step::{Given, Stepped, control, start, step, supply};
+pub(crate) use supply::Supplied;
 pub use volume::{Contents, Readings, Volume};
 
 use self::medium::{Medium, PARTS};

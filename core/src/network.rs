@@ -142,10 +142,11 @@ pub enum NetworkError {
 }
 
 impl<E> Network<'_, E> {
-    /// Reference pressure over which a flow method judges vacuum [Pa]: a climate replaces the pressures of its volumes by
-    /// its own after the step and judges those.
-    pub(crate) fn judged_reference_pa(&self) -> f32 {
-        if self.climate.is_none() { self.reference_pa } else { f32::INFINITY }
+    /// Reference pressure over which a flow method judges pressures [Pa]; `None` where it judges none: a climate replaces
+    /// the pressures of all volumes by its own after the step and judges those. What flows alone have moved since the start
+    /// is no pressure there.
+    pub(crate) fn judged_reference_pa(&self) -> Option<f32> {
+        self.climate.is_none().then_some(self.reference_pa)
     }
 }
 

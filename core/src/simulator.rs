@@ -225,8 +225,8 @@ impl<'a, E: Element> Simulator<'a, E> {
         if let Some(running) = running.as_mut() {
             climate::supply::<E, UNROLL>(network, at, running);
         }
-        let (virtual_k, arrived) =
-            running.as_ref().map_or((&[][..], &[][..]), |running| (running.virtual_k(), running.arrived()));
+        let virtual_k = running.as_ref().map_or(&[][..], climate::Running::virtual_k);
+        let supplied = running.as_ref().map(climate::Supplied::of).unwrap_or_default();
         let (middle, end) = rest.split_at_checked(start.len()).unwrap_or((&[], &[]));
         let (margin, mut place) = match settings.method {
             Method::Euler => relaxation::step::<E, UNROLL>(network, h, false, state, work, start),
@@ -240,7 +240,7 @@ impl<'a, E: Element> Simulator<'a, E> {
                 h,
                 state,
                 work,
-                StageInputs { start, middle, end, virtual_k, arrived },
+                StageInputs { start, middle, end, virtual_k, supplied },
             ),
         };
         if let Some(running) = running {

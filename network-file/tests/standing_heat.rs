@@ -90,3 +90,23 @@ fn what_flows_carries_all_of_it() {
     assert!((first - cold).abs() < 1e-4, "{first} K upstream, {cold} K without the heater");
     assert!(second - mixed > 5e-4, "{second} K downstream, {mixed} K without the heater");
 }
+
+/// A coil behind the heater takes from the stream what the stream has, not what it could not carry.
+#[test]
+fn a_coil_in_the_same_line_does_not_get_what_the_stream_could_not_carry() {
+    let coil = "[[line.element]]\nid = \"che\"\nkind = \"condenser\"\nresistance_pa_s2_kg2 = 100.0\ncoolant_flow = 0.1\n\
+                coolant_temperature = 285.0\n";
+    for power in [150.0, -150.0] {
+        let text = cabins("implicit-euler", "10ms", power)
+            .replace("[[line.element]]\nid = \"valve\"", &format!("{coil}[[line.element]]\nid = \"valve\""));
+        with_network(&text, |_, simulator| {
+            assert_eq!(simulator.step_times(20_000), Health::Trusted);
+            let rises = [0, 1].map(|node| simulator.node_temperature_k(node) - 295.15);
+            let expected = 0.5 * power * 200.0 / (35.9 * 719.0);
+            for rise in rises {
+                assert!((rise / expected - 1.0).abs() < 0.05, "{rises:?} K, {expected} K expected");
+            }
+            assert_closed(simulator);
+        });
+    }
+}

@@ -75,6 +75,40 @@ fn what_is_supplied_leaves_at_the_pressure_that_drives_it() {
     }
 }
 
+/// Other gases than the box holds raise its pressure by their own gas constants, and what leaves at first is what it held.
+#[test]
+fn other_gases_are_counted_by_their_gas_constant() {
+    for (gas, constant) in [("oxygen", 8_314.46 / 31.998), ("carbon_dioxide", 8_314.46 / 44.009)] {
+        for method in ["implicit-euler", "tr-bdf2"] {
+            for (step, steps) in [("1ms", 500), ("10ms", 50)] {
+                let text = boxed(method, step, 0.01).replace("nitrogen = ", &format!("{gas} = "));
+                with_network(&text.replace("volume_m3 = 0.2", "volume_m3 = 20.0"), |_, simulator| {
+                    assert_eq!(simulator.step_times(steps), Health::Trusted);
+                    let expected = 0.01 * constant / (8_314.46 / 28.013_4);
+                    let (flow, pressure) = (simulator.line_flow_kg_s(0), simulator.node_gauge_pa(0));
+                    println!("{gas}, {method}, {step}: {flow} kg/s of {expected}, {pressure} Pa");
+                    assert!((flow / expected - 1.0).abs() < 1e-2, "{gas}, {method}, {step}: {flow} kg/s");
+                    let drives = 1000.0 * flow * flow;
+                    assert!((pressure / drives - 1.0).abs() < 2e-2, "{gas}, {method}, {step}: {pressure} Pa");
+                });
+            }
+        }
+    }
+}
+
+/// What has passed a volume since the start is no pressure: a run ends by what volumes hold, however long it is.
+#[test]
+fn a_volume_may_be_supplied_many_times_over() {
+    for method in ["implicit-euler", "tr-bdf2", "adaptive"] {
+        let text = boxed(method, "10ms", 0.05).replace("volume_m3 = 0.2", "volume_m3 = 0.002");
+        with_network(&text, |_, simulator| {
+            // 3 kg through 2 g.
+            assert_eq!(simulator.step_times(6_000), Health::Trusted, "{method}: {:?}", simulator.excursion());
+            assert!((simulator.line_flow_kg_s(0) / 0.05 - 1.0).abs() < 1e-2);
+        });
+    }
+}
+
 #[test]
 fn a_source_that_begins_is_felt_in_the_same_step() {
     // At steps of 0.1 ms the filling of the box is followed: it is over after some milliseconds.

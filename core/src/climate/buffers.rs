@@ -47,11 +47,6 @@ impl<'p> Running<'p> {
         Some(Self { state: State::of(climate, state), work: Work::of(network, work) })
     }
 
-    /// What has arrived at the volumes so far in this step.
-    pub(crate) fn arrived(&self) -> &[Stored] {
-        self.work.books.net
-    }
-
     /// Virtual temperatures of all nodes [K]; none where no line asks.
     pub(crate) fn virtual_k(&self) -> &[f32] {
         self.work.virtual_k

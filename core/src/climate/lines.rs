@@ -97,47 +97,62 @@ fn carry_over<E, const UNROLL: bool, const REVERSED: bool>(
         return;
     };
     figures[4] += mass;
-    let [theta, pressure, ..] = *figures;
+    let [theta, pressure_pa, ..] = *figures;
+    let medium = volume.medium(&climate.air, &climate.coolant);
+    let way = Way { medium, pressure_pa, reversed: REVERSED };
     if volume.contents == Contents::Air {
         let mut stream = Stream::of(mass, fractions, theta, &climate.air);
         work.books.add_flow(up, &row(&stream, -1.0));
-        let heat = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
-        leave_behind(climate, heat, theta, &climate.air, &mut stream, (up, work));
+        let left = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, way, state, work);
+        stream.energy_j += share(left, up, work);
         work.books.add_flow(down, &row(&stream, 1.0));
     } else {
         let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
         work.books.add(up, [NITROGEN, ENERGY], [-mass, -stream.energy_j]);
-        let heat = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, pressure, state, work);
-        leave_behind(climate, heat, theta, &climate.coolant, &mut stream, (up, work));
+        let left = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, way, state, work);
+        stream.energy_j += share(left, up, work);
         work.books.add(down, [NITROGEN, ENERGY], [mass, stream.energy_j]);
     }
 }
 
-/// What a stream cannot carry of the heat that machines and heaters gave it, because it would leave hotter or colder than is
-/// followed, warms both ends of its line alike: nothing carries it either way.
+/// How a stream passes a line.
+#[derive(Clone, Copy)]
+struct Way<'m> {
+    /// What it is.
+    medium: &'m Medium,
+    /// Pressure of the volume upstream [Pa].
+    pressure_pa: f32,
+    /// Whether it flows against the line's direction.
+    reversed: bool,
+}
+
+/// Heat that a stream could not carry warms both ends of its line alike: nothing carries it either way. Returns what goes to
+/// the volume downstream [J].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn leave_behind(
-    climate: &Climate<'_>,
-    heat_j: f32,
-    theta_k: f32,
-    medium: &Medium,
-    stream: &mut Stream,
-    (up, work): (usize, &mut Work<'_>),
-) {
-    if heat_j != 0.0 {
-        let (capacity, temperature_k) = (stream.capacity_j_k(medium), climate.reference_k + theta_k);
-        let most = capacity * math::larger(MOST_K - temperature_k, 0.0);
-        let least = capacity * math::smaller(LEAST_K - temperature_k, 0.0);
-        let carried = math::larger(least, math::smaller(most, heat_j));
-        let behind = 0.5 * (heat_j - carried);
-        stream.energy_j -= behind;
-        work.books.add(up, [ENERGY], [behind]);
+fn share(left_j: f32, up: usize, work: &mut Work<'_>) -> f32 {
+    let half = 0.5 * left_j;
+    if half != 0.0 {
+        work.books.add(up, [ENERGY], [half]);
     }
+    half
+}
+
+/// Gives a stream heat, as far as it then stays within the temperatures that are followed. Returns what it cannot carry [J].
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+fn warm(climate: &Climate<'_>, heat_j: f32, medium: &Medium, stream: &mut Stream) -> f32 {
+    let capacity = stream.capacity_j_k(medium);
+    let sensible = stream.energy_j + stream.mass_kg[LIQUID] * medium.latent_j_kg;
+    let most = capacity * (MOST_K - climate.reference_k) - sensible;
+    let least = capacity * (LEAST_K - climate.reference_k) - sensible;
+    let carried = math::larger(math::smaller(least, 0.0), math::smaller(math::larger(most, 0.0), heat_j));
+    stream.energy_j += carried;
+    heat_j - carried
 }
 
 /// What a stream meets on its way along a line: what is `here`, or for a description that the compiler knows, what of
-/// all stations is on this line. Returns the heat that machines and heaters gave it [J].
+/// all stations is on this line. Returns the heat that it could not carry [J].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn meet<const UNROLL: bool, const REVERSED: bool>(
@@ -145,16 +160,16 @@ fn meet<const UNROLL: bool, const REVERSED: bool>(
     at: Stepped<'_>,
     (line, here): (usize, &[Station]),
     stream: &mut Stream,
-    pressure: f32,
+    way: Way<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) -> f32 {
-    let mut heat = 0.0;
+    let mut left = 0.0;
     if !UNROLL {
         if here.is_empty() {
-            return heat;
+            return left;
         }
-        return meet_apart(climate, at, here, stream, (pressure, REVERSED), state, work);
+        return meet_apart(climate, at, here, stream, way, state, work);
     }
     let stations = climate.stations;
     every!(UNROLL, 0..stations.len(), place => {
@@ -162,10 +177,10 @@ fn meet<const UNROLL: bool, const REVERSED: bool>(
         if let Some(station) = stations.get(place)
             && station.line as usize == line
         {
-            heat += pass(climate, at, &station.passage, stream, (pressure, REVERSED), state, work);
+            left += pass(climate, at, &station.passage, stream, way, state, work);
         }
     });
-    heat
+    left
 }
 
 /// A function of its own, which most lines do not call.
@@ -175,22 +190,21 @@ fn meet_apart(
     at: Stepped<'_>,
     here: &[Station],
     stream: &mut Stream,
-    (pressure, reversed): (f32, bool),
+    way: Way<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) -> f32 {
-    let mut heat = 0.0;
+    let mut left = 0.0;
     for place in 0..here.len() {
-        let place = if reversed { here.len() - 1 - place } else { place };
+        let place = if way.reversed { here.len() - 1 - place } else { place };
         if let Some(station) = here.get(place) {
-            heat += pass(climate, at, &station.passage, stream, (pressure, reversed), state, work);
+            left += pass(climate, at, &station.passage, stream, way, state, work);
         }
     }
-    heat
+    left
 }
 
-/// What a stream at `pressure` [Pa] meets at one station. Returns the heat that is put into it, however little of it there
-/// is [J]; what passes walls is none of that.
+/// What a stream meets at one station. Returns the heat that it cannot carry [J].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
 fn pass(
@@ -198,7 +212,7 @@ fn pass(
     at: Stepped<'_>,
     passage: &Passage,
     stream: &mut Stream,
-    (pressure, reversed): (f32, bool),
+    way: Way<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) -> f32 {
@@ -206,21 +220,19 @@ fn pass(
         Passage::Machine { power_w, speed_input } => {
             let speed = input(at.inputs, speed_input);
             let heat = power_w * speed * speed * speed * at.step_s;
-            stream.energy_j += heat;
             state.outside.supply_heat(heat);
-            return heat;
+            return warm(climate, heat, way.medium, stream);
         }
         Passage::Heater { power_input } => {
             let heat = input(at.inputs, power_input) * at.step_s;
-            stream.energy_j += heat;
             state.outside.supply_heat(heat);
-            return heat;
+            return warm(climate, heat, way.medium, stream);
         }
         Passage::Condenser(of) => {
             let index = of as usize;
             let before = *stream;
             if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
-                coil.pass_air(stream, at.step_s, pressure, reversed);
+                coil.pass_air(stream, at.step_s, way.pressure_pa, way.reversed);
             }
             if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
                 *water = before.vapour_kg() - stream.vapour_kg();
@@ -234,7 +246,7 @@ fn pass(
             let index = of as usize;
             let before = stream.energy_j;
             if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
-                coil.pass_liquid(stream, at.step_s, &climate.coolant, reversed);
+                coil.pass_liquid(stream, at.step_s, &climate.coolant, way.reversed);
             }
             if let Some([heat, _, theta, _]) = work.shown.get_mut(index) {
                 (*heat, *theta) = (before - stream.energy_j, stream.theta_k(&climate.coolant));

@@ -3,8 +3,7 @@
 use super::buffers::Seen;
 use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, TRACE, VAPOUR};
 use super::monitor::{Broken, FOGGED, Limit};
-use super::step::LEAST_FRACTION;
-use super::volume::{self, Contents, ENERGY};
+use super::volume::{self, Contents, ENERGY, LEAST_FRACTION};
 use super::{Climate, ExchangerReadings, Readings, condenser::Cells};
 use crate::moist;
 use crate::simulator::{Excursion, Strayed};

@@ -5,7 +5,7 @@ use super::coils::{begin_coils, settle_coils};
 use super::lines::move_lines;
 use super::medium::{PARTS, VAPOUR};
 use super::supply::{pass_walls, supply_volumes};
-use super::volume::{self, Constants, Held, Stored};
+use super::volume::{self, Constants, Held, LEAST_FRACTION};
 use super::{Climate, ControlLoop, Measure, density};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
@@ -15,8 +15,6 @@ use crate::{Network, math};
 
 /// Copies of the inputs, one for each stage time of a method.
 const STAGES: usize = 3;
-/// How far rounding may take a part below 0, by what the volume held at the start [1].
-pub(super) const LEAST_FRACTION: f32 = 1e-6;
 
 /// Present value of input `slot`.
 #[inline]
@@ -160,13 +158,6 @@ pub(crate) fn supply<E, const UNROLL: bool>(
     let Running { state, work } = running;
     supply_volumes::<E, UNROLL>(network, at, state, work);
     pass_walls::<UNROLL>(&network.climate, at, state, work);
-}
-
-/// Gas, or coolant, among what has arrived at a volume [kg].
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn flowing_kg([nitrogen, oxygen, carbon_dioxide, vapour, trace, ..]: &Stored) -> f32 {
-    ((nitrogen + oxygen) + (carbon_dioxide + vapour)) + trace
 }
 
 /// What a step needs from outside.

@@ -1,9 +1,9 @@
 //! What comes from outside and what changes inside the volumes: crew, sources, removal, free water, walls.
 
 use super::books::ALL;
-use super::buffers::{State, Work};
+use super::buffers::{Running, State, Work};
 use super::crew;
-use super::medium::{CARBON_DIOXIDE, LIQUID, OXYGEN, PARTS, VAPOUR, dot};
+use super::medium::{CARBON_DIOXIDE, GAS_CONSTANTS_J_KG_K, LIQUID, OXYGEN, PARTS, Parts, VAPOUR, dot};
 use super::step::{Stepped, input};
 use super::volume::{self, Contents, ENERGY, STORED, Stored};
 use super::{Climate, Remover};
@@ -49,6 +49,37 @@ pub(super) fn supply_volumes<E, const UNROLL: bool>(
             work.books.add(node, [VAPOUR, LIQUID], [vapour, -vapour]);
         }
     });
+}
+
+/// What a step has brought into all volumes; nothing without a climate.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Supplied<'s> {
+    masses: &'s [Stored],
+    fractions: &'s [Parts],
+}
+
+impl<'s> Supplied<'s> {
+    pub(crate) fn of(running: &'s Running<'_>) -> Self {
+        Self { masses: running.work.books.net, fractions: running.work.fractions }
+    }
+
+    /// As a flow into every volume [kg/s] of what it holds: so much of that would raise the pressure alike, Σ ṁᵢ·Rᵢ/R.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+    pub(crate) fn flows_kg_s(self, climate: &Climate<'_>, step_s: f32) -> impl Iterator<Item = f32> {
+        let per_step = 1.0 / step_s;
+        let rows = self.masses.iter().zip(self.fractions).zip(climate.volumes);
+        rows.map(move |((&[nitrogen, oxygen, carbon_dioxide, vapour, trace, ..], fractions), volume)| {
+            let mass = match volume.contents {
+                Contents::Air => {
+                    let gases = [nitrogen, oxygen, carbon_dioxide, vapour, trace, 0.0];
+                    dot(&gases, &GAS_CONSTANTS_J_KG_K) / dot(fractions, &GAS_CONSTANTS_J_KG_K)
+                }
+                Contents::Coolant => nitrogen,
+            };
+            mass * per_step
+        })
+    }
 }
 
 /// What comes into one volume from outside in a step. Several sources of one volume, and its crew, are one transfer.

@@ -104,12 +104,14 @@ pub const THIN: f32 = 1e-5;
 /// What condenses within one step per pressure above saturation, before the air warms by it [kg/Pa]: so much that every
 /// volume ends the step at saturation.
 const FOG_KG_PA: f32 = 1.0;
+/// How far rounding may take a part below 0, by what the volume held at the start [1].
+pub(super) const LEAST_FRACTION: f32 = 1e-6;
 /// Figures that a volume stores: masses of all parts, energy, and one that stays 0, so that rows fill whole vectors.
 pub(super) const STORED: usize = PARTS + 2;
 /// Place of the energy among them.
 pub(super) const ENERGY: usize = PARTS;
 /// One row of what is stored, or of its carries.
-pub(crate) type Stored = [f32; STORED];
+pub(super) type Stored = [f32; STORED];
 
 /// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass of gas, or
 /// of coolant [kg]; mass that came in and that went out in this step [kg]; φ.
@@ -245,10 +247,13 @@ impl Constants<'_> {
         // What lies free does not flow: fractions count per mass of what does.
         let [nitrogen, oxygen, carbon_dioxide, vapour, trace, _] = masses;
         let sum = ((nitrogen + oxygen) + (carbon_dioxide + vapour)) + trace;
-        // A volume that has been emptied is filled up with as much nitrogen as rounding may have taken too much.
+        // A volume that has been emptied is filled up with as much nitrogen as rounding may have taken too much; what a
+        // source took beyond is seen.
         let floor = THIN * self.volume.start_kg;
         *mass = math::larger(floor, sum);
-        masses[NITROGEN] += *mass - sum;
+        if nitrogen >= -LEAST_FRACTION * self.volume.start_kg {
+            masses[NITROGEN] += *mass - sum;
+        }
         let per_mass = 1.0 / *mass;
         for (fraction, mass) in held.fractions.iter_mut().zip(&masses) {
             *fraction = *mass * per_mass;

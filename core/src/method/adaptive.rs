@@ -180,7 +180,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     }
     let mut watch = Watch::NOTHING;
     step_lines(h, network.lines, &mut state, &mut work, &mut watch);
-    let range = Range::of(network.judged_reference_pa());
+    let range = Range::of(network.judged_reference_pa().unwrap_or(f32::INFINITY));
     // A loop that stands alone has all registers of a small processor; a description that the compiler knows is
     // better off without the call.
     let step_nodes = if UNROLL { step_nodes } else { step_nodes_alone };
@@ -223,7 +223,12 @@ fn step_nodes(
 }
 
 /// The first value that left its range; only looked for when there may be one.
-fn outside(watch: Watch, reference_pa: f32, lines: &[LineState], nodes: &[NodeFigures]) -> Option<Place> {
+fn outside(
+    watch: Watch,
+    reference_pa: Option<f32>,
+    lines: &[LineState],
+    nodes: &[NodeFigures],
+) -> Option<Place> {
     if watch.is_fine() { None } else { first_outside(lines, nodes, reference_pa) }
 }
 
@@ -461,8 +466,9 @@ fn arrive(nodes: &mut [NodeFigures], node: usize, [transfer, conductance]: [f32;
 
 /// Names what left its range; only asked for when something did.
 #[cold]
-fn first_outside(lines: &[LineState], nodes: &[NodeFigures], reference_pa: f32) -> Option<Place> {
+fn first_outside(lines: &[LineState], nodes: &[NodeFigures], reference_pa: Option<f32>) -> Option<Place> {
     let line = lines.iter().position(|[w, ..]| math::beyond(*w, Fault::FLOW_LIMIT_KG_S));
-    let node = || nodes.iter().position(|[pressure, ..]| Fault::outside(*pressure, reference_pa));
+    let wild = |pressure: f32| reference_pa.is_some_and(|reference| Fault::outside(pressure, reference));
+    let node = || nodes.iter().position(|[pressure, ..]| wild(*pressure));
     line.map(|index| Place::Line(index as u32)).or_else(|| node().map(|index| Place::Node(index as u32)))
 }

@@ -37,7 +37,7 @@ use self::layout::{State, Work, at, continues, is_joined};
 use self::respond::Place as At;
 use self::segment::{Columns, Model};
 use super::responsive::{self, Given};
-use crate::climate::{self, Stored};
+use crate::climate::Supplied;
 use crate::element::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
@@ -226,18 +226,8 @@ pub(crate) struct StageInputs<'i> {
     pub(crate) end: &'i [f32],
     /// Virtual temperature of every node at the step's start, see [`Given`].
     pub(crate) virtual_k: &'i [f32],
-    /// What comes into every volume from outside in this step; empty without a climate.
-    pub(crate) arrived: &'i [Stored],
-}
-
-impl StageInputs<'_> {
-    /// What comes from outside as a flow into every volume [kg/s].
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-    fn supplied(&self, step_s: f32) -> impl Iterator<Item = f32> {
-        let per_step = 1.0 / step_s;
-        self.arrived.iter().map(move |row| climate::flowing_kg(row) * per_step)
-    }
+    /// What comes into every volume from outside in this step.
+    pub(crate) supplied: Supplied<'i>,
 }
 
 /// The columns of a pass, out of the work buffer.
@@ -295,7 +285,10 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     law::update::<E, UNROLL, false>(network, model.tau, first, state.flow, work);
     respond!(first, At::Start);
     work.known.fill(0.0);
-    work.known.iter_mut().zip(inputs.supplied(h)).for_each(|(known, flow)| *known = flow);
+    work.known
+        .iter_mut()
+        .zip(inputs.supplied.flows_kg_s(&network.climate, h))
+        .for_each(|(known, flow)| *known = flow);
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true>(model, state.flow, work);
@@ -314,7 +307,10 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         {
             *known = (CARRY_OVER - 1.0) * capacity * delta;
         }
-        work.known.iter_mut().zip(inputs.supplied(h)).for_each(|(known, flow)| *known += flow);
+        work.known
+            .iter_mut()
+            .zip(inputs.supplied.flows_kg_s(&network.climate, h))
+            .for_each(|(known, flow)| *known += flow);
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::NextStage);
@@ -422,14 +418,16 @@ fn move_nodes<E, const UNROLL: bool>(
                 math::compensated_add(&mut sum, &mut lost, matrix::inward(at(passed, end >> 1), end));
             });
             (*mass, *carry) = (sum, lost);
-            *pressure = if node.kind == NodeKind::Junction {
-                let [gauge, carry] = junction;
-                math::compensated_add(gauge, carry, at(delta, index as u32));
-                *gauge
-            } else {
-                node.start_gauge_pa + at(work.per_mass, index as u32) * sum
-            };
-            beyond |= Fault::outside(*pressure, reference_pa);
+            if let Some(reference_pa) = reference_pa {
+                *pressure = if node.kind == NodeKind::Junction {
+                    let [gauge, carry] = junction;
+                    math::compensated_add(gauge, carry, at(delta, index as u32));
+                    *gauge
+                } else {
+                    node.start_gauge_pa + at(work.per_mass, index as u32) * sum
+                };
+                beyond |= Fault::outside(*pressure, reference_pa);
+            }
         }
     });
     beyond
@@ -445,6 +443,7 @@ fn first_outside<E>(network: &Network<'_, E>, flow: &[f32], pressure: &[f32]) ->
     let line = network.lines.iter().position(wild).map(|index| Place::Line(index as u32));
     let nodes = pressure.get(..network.nodes.len()).unwrap_or(&[]);
     let reference_pa = network.judged_reference_pa();
-    let node = || nodes.iter().position(|gauge| Fault::outside(*gauge, reference_pa));
+    let beyond = |gauge: f32| reference_pa.is_some_and(|reference| Fault::outside(gauge, reference));
+    let node = || nodes.iter().position(|gauge| beyond(*gauge));
     line.or_else(|| node().map(|index| Place::Node(index as u32)))
 }

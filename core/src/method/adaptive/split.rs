@@ -147,8 +147,13 @@ pub(crate) fn step<E: Element>(
         constants: buffers.constants,
     };
     let sources = Sources { passed: buffers.passed, both_ends: buffers.both_ends };
-    let of_nodes =
-        step_nodes(join, Range::of(network.judged_reference_pa()), network.plan.ends, sources, nodes);
+    let of_nodes = step_nodes(
+        join,
+        Range::of(network.judged_reference_pa().unwrap_or(f32::INFINITY)),
+        network.plan.ends,
+        sources,
+        nodes,
+    );
     let watch = of_lines.with(of_nodes);
     let place = if watch.is_fine() {
         None
