@@ -26,7 +26,7 @@ mod memory;
 mod newton;
 mod response;
 
-use eclss_core::climate::Source;
+use eclss_core::climate::{Climate, Source};
 use eclss_core::element::Element;
 use eclss_core::{Network, NetworkError, NodeKind};
 
@@ -81,6 +81,13 @@ pub enum SteadyError {
         /// Its absolute pressure in the balance [Pa].
         pressure_pa: f64,
     },
+    /// The balance needs more pressure at a node than a run is trusted with.
+    BeyondRange {
+        /// The node.
+        node: u32,
+        /// Its absolute pressure in the balance [Pa].
+        pressure_pa: f64,
+    },
     /// Elements with a memory never find a place: where they stand, the pressures make them switch.
     Switching {
         /// The segments.
@@ -101,7 +108,8 @@ pub fn steady<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<St
     let found = newton::solve(network, inputs, &islands)?;
     for island in &islands.closed {
         let rate_pa_s = found.rate_pa_s[island.pinned as usize];
-        if rate_pa_s.abs() > 0.0 {
+        let balanced = island.drains.is_empty() && balance(&network.climate, inputs, &island.nodes).is_even();
+        if rate_pa_s.abs() > 0.0 && !balanced {
             let (nodes, lines) = (island.nodes.clone(), island.drains.clone());
             return Err(SteadyError::Drained { nodes, lines, rate_pa_s });
         }
@@ -137,6 +145,29 @@ pub(crate) fn floating<E: Element>(network: &Network<'_, E>) -> Option<Vec<u32>>
 pub(crate) fn islands_without_boundary<E: Element>(network: &Network<'_, E>) -> Vec<Vec<u32>> {
     let closed = Islands::find(network).map(|islands| islands.closed).unwrap_or_default();
     closed.into_iter().map(|island| island.nodes).collect()
+}
+
+/// What sources bring into some nodes [kg/s].
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Balance {
+    sum: f64,
+    size: f64,
+}
+
+impl Balance {
+    /// Whether as much is taken as is given, to the rounding of the inputs.
+    pub(crate) fn is_even(self) -> bool {
+        self.sum.abs() <= 1e-6 * self.size
+    }
+}
+
+/// What the sources of gas bring into `nodes` at these inputs.
+pub(crate) fn balance(climate: &Climate<'_>, inputs: &[f32], nodes: &[u32]) -> Balance {
+    let own = climate.sources.iter().filter(|source| nodes.contains(&source.node));
+    own.map(|source| gas_kg_s(*source, inputs)).fold(Balance::default(), |balance, flow| Balance {
+        sum: balance.sum + flow,
+        size: balance.size + flow.abs(),
+    })
 }
 
 /// What a source adds to the gas of its node at these inputs [kg/s]; liquid water and heat are none.
@@ -184,6 +215,10 @@ impl SteadyError {
             Self::BelowVacuum { node: index, pressure_pa } => {
                 format!("no steady state: {} would need {pressure_pa:.1} Pa absolute", node(index))
             }
+            Self::BeyondRange { node: index, pressure_pa } => format!(
+                "no steady state: {} would need {pressure_pa:.4e} Pa absolute, more than a run is trusted with",
+                node(index)
+            ),
             Self::Switching { segments } => format!(
                 "no steady state: {} would open and close for ever",
                 segments.iter().map(|index| name(&names.segments, *index)).collect::<Vec<_>>().join(", ")

@@ -8,7 +8,7 @@ use eclss_core::NodeKind;
 
 use crate::loaded::Loaded;
 use crate::notes::Notes;
-use crate::steady::{SteadyError, gas_kg_s, islands_without_boundary, steady};
+use crate::steady::{SteadyError, balance, gas_kg_s, islands_without_boundary, steady};
 
 /// Lines of the file where nodes and lines are named, counted from 1; empty for a network that was not read from text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl SteadyError {
             Self::Drained { lines, nodes, .. } => {
                 lines.first().and_then(line).or_else(|| nodes.first().and_then(node))
             }
-            Self::BelowVacuum { node: index, .. } => node(index),
+            Self::BelowVacuum { node: index, .. } | Self::BeyondRange { node: index, .. } => node(index),
             Self::Switching { segments } => {
                 let has = |segment: &u32| {
                     let own = loaded.lines.iter().position(|line| {
@@ -91,6 +91,9 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
         });
     }
     for nodes in islands_without_boundary(&network) {
+        if balance(&network.climate, &loaded.inputs, &nodes).is_even() {
+            continue;
+        }
         for (index, source) in loaded.climate.sources.iter().enumerate() {
             let gas_kg_s = gas_kg_s(*source, &loaded.inputs);
             let holds = network.nodes.get(source.node as usize).map(|node| node.kind);

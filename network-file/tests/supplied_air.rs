@@ -4,8 +4,8 @@
 mod support;
 
 use eclss_core::Health;
-use eclss_network_file::parse;
 use eclss_network_file::steady::steady;
+use eclss_network_file::{parse, unrest};
 use support::with_network;
 
 /// A box of nitrogen with a source of it, open to the ambient through a pipe.
@@ -149,4 +149,50 @@ fn what_is_supplied_is_in_the_state_of_rest() {
     // R·T·0.05 kg/s into 10 m³.
     let rate: f64 = error.split("change by ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((rate / (287.055 * 295.15 * 0.05 / 10.0) - 1.0).abs() < 1e-3, "{error}");
+}
+
+/// The box behind a choked orifice rests far above where it starts; behind one that is too small it never rests.
+#[test]
+fn a_choked_orifice_has_its_state_of_rest() {
+    let orifice = |diameter: f32| {
+        let element = format!("kind = \"orifice\"\ndiameter_m = {diameter:?}\ndischarge_coefficient = 0.8");
+        boxed("implicit-euler", "10ms", 0.005)
+            .replace("kind = \"pipe\"\nresistance_pa_s2_kg2 = 1000.0", &element)
+    };
+    for diameter in [0.001f32, 0.0012, 0.0015, 0.002, 0.0025, 0.003] {
+        let loaded = parse(&orifice(diameter), "box.toml").unwrap();
+        let rest = steady(&loaded.network(), &loaded.inputs).unwrap();
+        // w = C_d·A·p·√(γ/(R·T))·(2/(γ + 1))^3
+        let area = 0.25 * std::f64::consts::PI * f64::from(diameter).powi(2);
+        let gas = 8_314.463 / 28.013_4 * 295.15;
+        let choked = 0.8 * area * (1.4f64 / gas).sqrt() * (2.0f64 / 2.4).powi(3);
+        let (pressure, expected) = (101_325.0 + rest.gauge_pa[0], 0.005 / choked);
+        println!("{diameter} m: {pressure} Pa, {expected} Pa by the formula");
+        assert!((pressure / expected - 1.0).abs() < 1e-3);
+        assert!((rest.flow_kg_s[0] / 0.005 - 1.0).abs() < 1e-5);
+    }
+    let loaded = parse(&orifice(0.0001), "box.toml").unwrap();
+    let error = steady(&loaded.network(), &loaded.inputs).unwrap_err().text(&loaded.names);
+    assert!(error.contains("more than a run is trusted with") && error.contains("`box`"), "{error}");
+}
+
+/// As much in as out leaves a closed pair of boxes at rest, though single precision does not quite add up.
+#[test]
+fn sources_that_cancel_rest() {
+    let source = |id: &str, node: &str, rate: f32| {
+        format!("[[source]]\nid = \"{id}\"\nnode = \"{node}\"\nnitrogen = {rate:?}\n")
+    };
+    let text = boxed("implicit-euler", "10ms", 0.1)
+        .replace("kind = \"boundary\"", "kind = \"cabin\"\nvolume_m3 = 2.0")
+        + &source("more", "ambient", 0.2)
+        + &source("vent", "ambient", -0.3);
+    let loaded = parse(&text, "boxes.toml").unwrap();
+    let rest = steady(&loaded.network(), &loaded.inputs).unwrap();
+    assert!((rest.flow_kg_s[0] / 0.1 - 1.0).abs() < 1e-5, "{rest:?}");
+    assert!(unrest(&loaded).is_empty(), "{:?}", unrest(&loaded));
+    // With a little more it rises for ever, and each source is told.
+    let loaded = parse(&text.replace("-0.3", "-0.299"), "boxes.toml").unwrap();
+    let told: Vec<_> = unrest(&loaded).into_iter().map(|unrest| unrest.reason).collect();
+    assert_eq!(told.len(), 3, "{told:#?}");
+    assert!(steady(&loaded.network(), &loaded.inputs).is_err());
 }

@@ -1,7 +1,7 @@
 //! The iteration of the steady state.
 
 use eclss_core::element::Element;
-use eclss_core::{Line, Network, Node, NodeKind, Plan, Responsive};
+use eclss_core::{Fault, Line, Network, Node, NodeKind, Plan, Responsive};
 
 use super::characteristic::Characteristic;
 use super::elimination::Matrix;
@@ -101,6 +101,18 @@ impl<'n, E: Element> Problem<'n, E> {
                 }
             }
         }
+        // What sources feed may rest far above all pressures of the start, as before a choked orifice.
+        let supplied = self.supplied.iter().any(|flow| flow.abs() > 0.0);
+        for share in [0.1, 1.0, 10.0] {
+            let good = best.residual <= ENOUGH;
+            if supplied && !good {
+                let (point, more) = self.search(self.raised(share * self.span_pa), HALVINGS);
+                iterations += more;
+                if point.residual < best.residual || best.residual.is_nan() {
+                    best = point;
+                }
+            }
+        }
         if best.residual > ENOUGH || best.residual.is_nan() {
             let (line, imbalance_pa) = self.worst_line(&best);
             return Err(SteadyError::NotFound { line, imbalance_pa });
@@ -187,9 +199,11 @@ impl<'n, E: Element> Problem<'n, E> {
             }
         }
         let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
-        self.span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
-        // What sources bring may leave through any line.
+        // What sources bring may leave through any line, and builds up what pressure that takes.
         let supplied: f64 = self.supplied.iter().map(|flow| flow.abs()).sum();
+        let losses = laws.iter().map(|law| law.loss(supplied).abs()).fold(0.0, f64::max);
+        let built = if supplied > 0.0 { losses.min(f64::from(Fault::GAUGE_LIMIT_PA)) } else { 0.0 };
+        self.span_pa = ((high - low).max(0.0) + heads + built).max(SMALLEST_SPAN_PA);
         self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head).max(supplied)).collect();
         self.node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
         for (line, flow) in network.lines.iter().zip(&self.line_kg_s) {
@@ -204,6 +218,16 @@ impl<'n, E: Element> Problem<'n, E> {
         let gauge = self.network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
         let rate = vec![0.0; self.islands.closed.len()];
         self.at(gauge, self.line_kg_s.clone(), rate)
+    }
+
+    /// The start with all pressures that are not held so much higher.
+    fn raised(&self, by_pa: f64) -> Point {
+        let nodes = self.network.nodes.iter();
+        let gauge = nodes.map(|node| {
+            f64::from(node.start_gauge_pa) + if node.kind == NodeKind::Boundary { 0.0 } else { by_pa }
+        });
+        let rate = vec![0.0; self.islands.closed.len()];
+        self.at(gauge.collect(), self.line_kg_s.clone(), rate)
     }
 
     /// Laws of all lines at their flows and at the pressures of their nodes.
@@ -389,6 +413,9 @@ impl<'n, E: Element> Problem<'n, E> {
             let unknown = self.network.nodes[node as usize].kind != NodeKind::Boundary;
             if unknown && pressure_pa < -ENOUGH * reference {
                 return Err(SteadyError::BelowVacuum { node, pressure_pa });
+            }
+            if unknown && *gauge > f64::from(Fault::GAUGE_LIMIT_PA) {
+                return Err(SteadyError::BeyondRange { node, pressure_pa });
             }
         }
         let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;

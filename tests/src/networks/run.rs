@@ -62,7 +62,11 @@ pub fn jumps(
             }
             // An island that is drained for ever has no steady state to stay near.
             let target = match steady(&network, &inputs) {
-                Err(SteadyError::Drained { .. } | SteadyError::BelowVacuum { .. }) => None,
+                Err(
+                    SteadyError::Drained { .. }
+                    | SteadyError::BelowVacuum { .. }
+                    | SteadyError::BeyondRange { .. },
+                ) => None,
                 Err(error) => return Err(Trouble::Steady(error)),
                 Ok(target) => Some(target),
             };
@@ -131,7 +135,9 @@ pub const TIME_CONSTANTS: f64 = 20.0;
 pub fn settle(drawn: &Drawn, method: Method) -> Result<Option<Settled>, Trouble> {
     let network = drawn.network(&drawn.inputs);
     let target = match steady(&network, &drawn.inputs) {
-        Err(SteadyError::Drained { .. } | SteadyError::BelowVacuum { .. }) => return Ok(None),
+        Err(
+            SteadyError::Drained { .. } | SteadyError::BelowVacuum { .. } | SteadyError::BeyondRange { .. },
+        ) => return Ok(None),
         Err(error) => return Err(Trouble::Steady(error)),
         Ok(target) => target,
     };
