@@ -113,9 +113,9 @@ pub(crate) fn worse(recorded: &[Table], today: &[Table], tolerance: f64) -> Vec<
 /// Why a cell is worse than it was.
 fn grown(was: &str, is: &str, tolerance: f64) -> Option<String> {
     if let (Ok(was), Ok(is)) = (was.parse::<f64>(), is.parse::<f64>()) {
-        let growth = is / was - 1.0;
-        return (is > was && growth > tolerance)
-            .then(|| format!("grew from {was} to {is} ({:+.1} %)", 100.0 * growth));
+        // Not by their ratio, of which 1020 / 1000 is a rounding above 1.02.
+        return (is > was && is - was > tolerance * was)
+            .then(|| format!("grew from {was} to {is} ({:+.1} %)", 100.0 * (is / was - 1.0)));
     }
     (is == MISSED && was != MISSED && tolerance <= TOLERANCE).then(|| "is missed".into())
 }

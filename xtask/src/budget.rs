@@ -2,7 +2,7 @@
 
 use crate::firmware::ensure_set_up;
 use crate::process::run;
-use crate::test::{MOST, TESTS};
+use crate::test::{ALL, TESTS};
 use crate::toolchain::Toolchain;
 use crate::{Outcome, project, qemu};
 use std::process::Command;
@@ -15,12 +15,8 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
     ensure_set_up()?;
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
     let mut build = Command::new("cargo");
-    build.arg("build").args(&TESTS[1..]).args(MOST).args([
-        "--features",
-        "eclss-tests/qemu",
-        "--bin",
-        "budget",
-    ]);
+    // With a test, so that the libraries are those that the tests use.
+    build.arg("build").args(&TESTS[1..]).args(ALL).args(["--bin", "budget", "--test", "qemu_elf"]);
     run(build.current_dir(project::root()))?;
     let program = format!("budget{}", std::env::consts::EXE_SUFFIX);
     let mut budget = Command::new(project::output_folder()?.join("checked").join(program));

@@ -6,6 +6,7 @@ use crate::toolchain::{TARGET, Toolchain};
 use crate::{Outcome, project, setup, test};
 use std::path::PathBuf;
 use std::process::Command;
+use std::thread;
 
 /// A board the firmware is built for.
 pub(crate) struct Board {
@@ -15,23 +16,30 @@ pub(crate) struct Board {
     pub(crate) machine: Option<&'static str>,
     /// A computer with an operating system, built by the host's compiler.
     pub(crate) hosted: bool,
+    /// Where it is built, under cargo's output folder. Two builds in one folder wait for each other.
+    folder: &'static str,
 }
+
+/// Firmware is built by another toolchain than the host crates, so it gets folders of its own: two, with programs that
+/// take about as long in each.
+const BARE: &str = "firmware";
+const OTHER: &str = "firmware-other";
 
 /// Every board, in the order of the documentation.
 pub(crate) const BOARDS: [Board; 4] = [
-    Board { name: "qemu-mps2-an500", machine: Some("mps2-an500"), hosted: false },
-    Board { name: "qemu-mps2-an386", machine: Some("mps2-an386"), hosted: false },
-    Board { name: "nucleo-h743zi2", machine: None, hosted: false },
-    Board { name: "rt-pc", machine: None, hosted: true },
+    Board { name: "qemu-mps2-an500", machine: Some("mps2-an500"), hosted: false, folder: BARE },
+    Board { name: "qemu-mps2-an386", machine: Some("mps2-an386"), hosted: false, folder: BARE },
+    Board { name: "nucleo-h743zi2", machine: None, hosted: false, folder: BARE },
+    Board { name: "rt-pc", machine: None, hosted: true, folder: "" },
 ];
 
 /// Programs of the tests, built like a board's firmware: two count instructions, one is nothing but a step, one has
 /// hardware on its link.
 pub(crate) const TEST_PROGRAMS: [Board; 4] = [
-    Board { name: "qemu-hil-an386", machine: None, hosted: false },
-    Board { name: "measure", machine: None, hosted: false },
-    Board { name: "measure-day", machine: None, hosted: false },
-    Board { name: "bare", machine: None, hosted: false },
+    Board { name: "qemu-hil-an386", machine: None, hosted: false, folder: OTHER },
+    Board { name: "measure", machine: None, hosted: false, folder: OTHER },
+    Board { name: "measure-day", machine: None, hosted: false, folder: BARE },
+    Board { name: "bare", machine: None, hosted: false, folder: OTHER },
 ];
 
 /// Name of the real board that `flash` writes to, as probe-rs knows its chip.
@@ -59,16 +67,23 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
 /// Builds and lints every board and the programs of the tests.
 pub(crate) fn check() -> Outcome {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain")?;
-    for board in BOARDS.iter().chain(&TEST_PROGRAMS) {
-        build(board)?;
-        if board.hosted || !toolchain.has_clippy() {
-            continue;
-        }
-        // The crates that it stands on are linted on the host.
-        let mut clippy = toolchain.clippy();
-        select(&mut clippy, board)?;
-        run(clippy.args(["--no-deps", "--", "-D", "warnings"]))?;
-    }
+    let check_all = |folder: &str| {
+        BOARDS.iter().chain(&TEST_PROGRAMS).filter(|board| board.folder == folder).try_for_each(|board| {
+            build(board)?;
+            if board.hosted || !toolchain.has_clippy() {
+                return Ok(());
+            }
+            // The crates that it stands on are linted on the host.
+            let mut clippy = toolchain.clippy();
+            select(&mut clippy, board)?;
+            run(clippy.args(["--no-deps", "--", "-D", "warnings"]))
+        })
+    };
+    // Linking one keeps one core busy, so the folders are filled side by side.
+    thread::scope(|scope| {
+        let folders = [BARE, OTHER, ""].map(|folder| scope.spawn(move || check_all(folder)));
+        folders.into_iter().try_for_each(|folder| folder.join().map_err(|_| "a build was lost")?)
+    })?;
     if toolchain.has_clippy() {
         return Ok(());
     }
@@ -86,9 +101,8 @@ pub(crate) fn build(board: &Board) -> Outcome<PathBuf> {
     let mut cargo = if board.hosted { Command::new("cargo") } else { toolchain.cargo() };
     select(cargo.arg("build"), board)?;
     run(&mut cargo)?;
-    let folder =
-        if board.hosted { project::output_folder()? } else { project::firmware_folder()?.join(TARGET) };
-    let elf = folder.join("firmware").join(board.name);
+    let target = if board.hosted { "" } else { TARGET };
+    let elf = project::output_folder()?.join(board.folder).join(target).join("firmware").join(board.name);
     if !board.hosted {
         let (flash, ram) = Elf::read(&elf)?.memory_use();
         println!("{}: flash {flash} bytes, statics in RAM {ram} bytes", board.name);
@@ -106,7 +120,7 @@ pub(crate) fn select(cargo: &mut Command, board: &Board) -> Outcome {
     cargo.args(["--package", "eclss-target", "--profile", "firmware"]);
     cargo.args(["--bin", board.name, "--features", board.name]);
     if !board.hosted {
-        cargo.args(["--target", TARGET, "--target-dir"]).arg(project::firmware_folder()?);
+        cargo.args(["--target", TARGET, "--target-dir"]).arg(project::output_folder()?.join(board.folder));
     }
     cargo.current_dir(project::root());
     Ok(())

@@ -10,7 +10,7 @@ use crate::{Outcome, project};
 pub(crate) fn refuses() -> Outcome {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
     let board = board("qemu-mps2-an386")?;
-    let path = project::firmware_folder()?.join("too-large.toml");
+    let path = project::output_folder()?.join("too-large.toml");
     std::fs::write(&path, large_network(3_000))
         .map_err(|e| format!("cannot write {}: {e}", path.display()))?;
     let mut cargo = toolchain.cargo();

@@ -2,6 +2,7 @@
 //!
 //! Only the standard library is used, so that the first thing a newcomer runs compiles in a second.
 
+mod beside;
 mod budget;
 mod elf;
 mod firmware;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
     let outcome = match command {
         "setup" => setup::setup(rest),
         "test" => test::test(rest),
+        beside::COMMAND => test::beside(rest),
         "build" => firmware::command(rest),
         "qemu" => qemu::command(rest),
         "budget" => budget::command(rest),

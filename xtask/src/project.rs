@@ -18,11 +18,6 @@ pub(crate) fn output_folder() -> Outcome<PathBuf> {
         .ok_or_else(|| "`cargo metadata` names no target_directory".into())
 }
 
-/// Firmware is built by another toolchain than the host crates, so it gets a folder and a lock of its own.
-pub(crate) fn firmware_folder() -> Outcome<PathBuf> {
-    Ok(output_folder()?.join("firmware"))
-}
-
 /// The user's folder for things that outlive `cargo clean`.
 pub(crate) fn cache_folder() -> Outcome<PathBuf> {
     let base = match (std::env::var_os("XDG_CACHE_HOME"), std::env::var_os("HOME")) {

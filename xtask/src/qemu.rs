@@ -2,7 +2,7 @@
 
 use crate::firmware::{BOARDS, Board, TEST_PROGRAMS, board, build, ensure_set_up};
 use crate::process::shown;
-use crate::test::{MOST, TESTS};
+use crate::test::{ALL, TESTS};
 use crate::{Outcome, project};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -65,10 +65,10 @@ fn emulator(board: &Board, elf: &Path, words: &[String]) -> Outcome<Command> {
     Ok(qemu)
 }
 
-/// The tests that run firmware. They stand behind a feature because a plain `cargo test` has no firmware.
+/// The tests that run firmware. They are run by name only, because a plain `cargo test` has no firmware.
 pub(crate) fn test() -> Outcome {
     let mut tests = Command::new("cargo");
-    tests.args(TESTS).args(MOST).args(["--features", "eclss-tests/qemu", "--test", "qemu_*"]);
+    tests.args(TESTS).args(ALL).args(["--test", "qemu_*"]);
     hand_over(&mut tests)?;
     crate::process::run(tests.current_dir(project::root()))
 }

@@ -1,8 +1,9 @@
 //! `cargo xtask test`: everything that must hold before a change goes in.
 
+use crate::beside::Beside;
 use crate::process::{command, run};
 use crate::report::Stages;
-use crate::{Outcome, budget, firmware, fit, project, qemu, setup};
+use crate::{Outcome, beside, budget, firmware, fit, project, qemu, setup};
 
 /// A word for the command line, a header, what is done.
 type Stage = (&'static str, &'static str, fn() -> Outcome);
@@ -31,9 +32,25 @@ pub(crate) fn test(arguments: &[String]) -> Outcome {
     let wanted = |word: &str| arguments.is_empty() || arguments.iter().any(|name| name == word);
     let mut stages = Stages::default();
     let mut chosen = STAGES.iter().filter(|(word, ..)| wanted(word));
-    let outcome = chosen.try_for_each(|(_, header, work)| stages.stage(header, work));
+    let mut firmware = None;
+    let outcome = chosen.try_for_each(|(word, header, work)| {
+        stages.stage(header, || {
+            // Linking firmware keeps one core busy, the page mostly waits for its browser.
+            if *word == "page" && wanted("firmware") {
+                firmware = Beside::start("firmware")?;
+            }
+            firmware.take_if(|_| *word == "firmware").map_or_else(work, Beside::finish)
+        })
+    });
     stages.summary();
     outcome
+}
+
+/// `cargo xtask beside STAGE`: one stage for another run of this program, which started it ahead of its turn.
+pub(crate) fn beside(arguments: &[String]) -> Outcome {
+    beside::end_with_parent();
+    let stage = STAGES.iter().find(|(word, ..)| arguments.iter().any(|name| name == word));
+    stage.map_or_else(|| Err("there is no such stage".into()), |(.., work)| work())
 }
 
 /// Whether this is a machine that decides about changes: there, what could not be checked counts as wrong.
@@ -41,34 +58,31 @@ pub(crate) fn in_ci() -> bool {
     std::env::var_os("CI").is_some_and(|value| value == "true")
 }
 
-/// Everything but the firmware application, of which only the board for computers can be built here.
-pub(crate) const MOST: [&str; 5] = ["--workspace", "--exclude", "eclss-target", "--features", OPTIONS];
-/// What the core offers to boards and files, and the real-time loop on a computer.
-const OPTIONS: &str = "eclss-host-sim/hil,eclss-host-sim/compiled,eclss-core/protocol,eclss-core/defmt";
-/// How tests are run but for those of costs. Stages that name the same packages share what was built for another.
-pub(crate) const TESTS: [&str; 5] = ["test", "--profile", "checked", "--exclude", "eclss-bench"];
-/// The same for the application.
-const APPLICATION_TESTS: [&str; 3] = ["test", "--profile", "checked"];
-const APPLICATION: [&str; 4] = ["--package", "eclss-target", "--features", "rt-pc"];
+/// What is built and how, the same for all stages: what one has built another need not build again. Part of it is the
+/// solvers' and the tests' libraries, so every stage names a kind of target that may use them.
+pub(crate) const ALL: [&str; 5] = ["--workspace", "--profile", "checked", "--features", OPTIONS];
+/// What the core offers to boards and files, the real-time loop on a computer, and the tests that run firmware.
+const OPTIONS: &str = "eclss-host-sim/hil,eclss-host-sim/compiled,eclss-core/protocol,eclss-core/defmt,\
+    eclss-target/rt-pc,eclss-tests/qemu";
+/// All tests but those of costs.
+pub(crate) const TESTS: [&str; 3] = ["test", "--exclude", "eclss-bench"];
+/// The solver to compare with is too long a build for more than seeing that it still fits.
+const PEERS: [&str; 2] = ["--features", "eclss-bench/peers"];
 
 fn lints() -> Outcome {
     let strict = ["--", "-D", "warnings"];
-    // With the tests that need an emulator or a browser, which are compiled but not run by the host's stages.
-    let boards = ["--all-targets", "--features", "eclss-tests/qemu,eclss-host-sim/browser"];
-    cargo(&[&["clippy"], &MOST[..], &boards, &strict].concat())?;
-    // The solver to compare with is too long a build for more than seeing that it still fits.
-    cargo(&["check", "--package", "eclss-bench", "--all-targets", "--features", "peers"])?;
-    cargo(&[&["clippy", "--all-targets"], &APPLICATION[..], &strict].concat())
+    cargo(&[&["clippy", "--all-targets"], &ALL[..], &PEERS, &strict].concat())?;
+    // The tests that need a browser or an emulator are no targets of `cargo test`, and so none of the above.
+    cargo(&[&["clippy", "--test", "page", "--test", "qemu_*"], &ALL[..], &PEERS, &strict].concat())
 }
 
 fn host_tests() -> Outcome {
-    cargo(&[&TESTS[..], &MOST[..]].concat())?;
-    cargo(&[&APPLICATION_TESTS[..], &APPLICATION[..]].concat())?;
+    cargo(&[&TESTS[..], &ALL].concat())?;
     // What costs are measured with is the profile that users run.
     cargo(&["test", "--release", "--package", "eclss-bench"])
 }
 
-/// The tests that drive a browser. They stand behind a feature because a plain `cargo test` may have none.
+/// The tests that drive a browser. They are run by name only, because a plain `cargo test` may have none.
 fn page() -> Outcome {
     if !setup::browser_present() {
         let missing = "no Chromium with its driver; `cargo xtask setup` installs them where it can";
@@ -78,7 +92,7 @@ fn page() -> Outcome {
         println!("The page is not tested: {missing}.");
         return Ok(());
     }
-    cargo(&[&TESTS[..], &MOST[..], &["--features", "eclss-host-sim/browser", "--test", "page"]].concat())
+    cargo(&[&TESTS[..], &ALL, &["--test", "page"]].concat())
 }
 
 /// The client's own tests, against the bytes of the protocol's document. It needs nothing but the interpreter.
@@ -88,8 +102,8 @@ fn python() -> Outcome {
 }
 
 fn documentation() -> Outcome {
-    cargo(&[&["doc", "--no-deps"], &MOST[..]].concat())?;
-    cargo(&[&["doc", "--no-deps"], &APPLICATION[..]].concat())
+    // With the examples, so that the libraries are those that the lints have looked at.
+    cargo(&[&["doc", "--no-deps", "--lib", "--bins", "--examples"], &ALL[..], &PEERS].concat())
 }
 
 fn cargo(arguments: &[&str]) -> Outcome {

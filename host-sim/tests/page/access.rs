@@ -55,6 +55,9 @@ fn every_control_is_reached_by_the_tab_key_and_its_focus_is_seen() {
 fn a_screen_reader_finds_a_name_for_everything() {
     let (_plant, browser) = opened("thcs.toml");
     browser.run("document.querySelectorAll('details').forEach(one => { one.open = true; })");
+    browser.wait("the table is filled", "return Boolean(document.querySelector('#all td')?.textContent)");
+    // Sliders say their value with its unit.
+    browser.wait("values are said", "return Boolean(document.querySelector('#inputs input[type=range]').getAttribute('aria-valuetext')?.endsWith(' %'))");
     sleep(Duration::from_millis(1_200));
     browser.devtools("Accessibility.enable", &json!({}));
     let tree = browser.devtools("Accessibility.getFullAXTree", &json!({}));
@@ -82,8 +85,6 @@ fn a_screen_reader_finds_a_name_for_everything() {
         seen += 1;
     }
     assert!(seen > 120, "{seen} things");
-    // Sliders say their value with its unit.
-    browser.wait("values are said", "return document.querySelector('#inputs input[type=range]').getAttribute('aria-valuetext').endsWith(' %')");
     // What happens is announced, and there is one main part with headings in it.
     assert_eq!(browser.run("return document.querySelectorAll('main').length === 1 && document.querySelector('#news').getAttribute('aria-live') === 'polite'"), true);
     let headings = browser.run("return [...document.querySelectorAll('section')].every(s => document.getElementById(s.getAttribute('aria-labelledby'))?.textContent)");
@@ -107,13 +108,14 @@ fn nothing_moves_for_those_who_asked_for_less_motion() {
         assert!(before.as_str().is_some_and(|path| path.len() > 50), "arrows are drawn: {before}");
         before != arrows()
     };
-    assert!(moves(), "arrows move where nobody minds");
+    // A busy machine may take a while to draw the next picture, and to draw it as it was asked to.
+    let soon = |wanted: bool| (0..20).any(|_| moves() == wanted);
+    assert!(soon(true), "arrows move where nobody minds");
     browser.prefer_all(&[("prefers-reduced-motion", "reduce")]);
-    sleep(Duration::from_millis(300));
-    assert!(!moves(), "arrows stand still");
+    assert!(soon(false), "arrows stand still");
+    assert!(!moves(), "and go on doing so");
     browser.prefer_all(&[("prefers-reduced-motion", "no-preference")]);
-    sleep(Duration::from_millis(300));
-    assert!(moves(), "and move again");
+    assert!(soon(true), "and move again");
 }
 
 /// Pairs of colours with the least contrast that WCAG 2.2 asks for: 4.5 for text, 3 for lines and symbols.

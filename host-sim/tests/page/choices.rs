@@ -11,8 +11,8 @@ use super::{assert_quiet, opened};
 #[test]
 fn another_network_is_chosen_and_the_page_follows() {
     let (plant, browser) = opened("paper.toml");
-    let count = browser.run("return document.querySelectorAll('#network option').length");
-    assert_eq!(count, 7, "the one asked for and the six that ship");
+    let listed = "return document.querySelectorAll('#network option').length === 7";
+    browser.wait("the one asked for and the six that ship are listed", listed);
     for (choice, node, title) in
         [("networks/station", "#n9", "Station"), ("networks/thcs", "#n6", "Temperature")]
     {
@@ -25,7 +25,7 @@ fn another_network_is_chosen_and_the_page_follows() {
         );
         browser.wait("it runs", "return document.querySelector('#link').className === 'live' && document.querySelector('#n0a').textContent.endsWith('kPa')");
     }
-    assert!((plant.value("cabin.pressure")).is_finite());
+    plant.wait("cabin.pressure", "finite", f64::is_finite);
     // A reload finds the same, and the choice shown.
     browser.open(&plant.link);
     browser.wait(

@@ -1,8 +1,5 @@
 //! The air of a cabin on the page: figures against limits, charts, malfunctions, units.
 
-use std::thread::sleep;
-use std::time::Duration;
-
 use super::{assert_quiet, opened};
 
 /// Text of the row of a quantity in the table of the air.
@@ -24,7 +21,7 @@ fn a_failed_scrubber_raises_co2_beyond_its_limit_and_the_page_says_so() {
         );
     }
     let within = format!("return !{}.includes('too high')", row("CO2"));
-    assert_eq!(browser.run(&within), true, "the day begins with good air");
+    browser.wait("the day begins with good air", &within);
     // By hand, hard work and a scrubber that takes nothing out.
     browser.press("#scenario", "by");
     browser.wait("the crew is free", "return [...document.querySelectorAll('#inputs label')].some(l => l.textContent === 'crew.activity' && !l.control.disabled)");
@@ -36,11 +33,12 @@ fn a_failed_scrubber_raises_co2_beyond_its_limit_and_the_page_says_so() {
         "it is said",
         "return document.querySelector('#news').textContent.includes('CO2 in cabin: too high')",
     );
-    assert_eq!(browser.run("return document.querySelector('#n0').classList.contains('beyond')"), true);
-    assert!(plant.value("cabin.carbon_dioxide") > 399.0 && plant.value("scrubber.efficiency") < 1e-6);
+    browser.wait("it is marked", "return document.querySelector('#n0').classList.contains('beyond')");
+    plant.wait("cabin.carbon_dioxide", "above 399 Pa", |pressure| pressure > 399.0);
+    plant.wait("scrubber.efficiency", "none", |efficiency| efficiency < 1e-6);
     // Its edge has another colour than that of a node within its limits.
     let edges = "const edge = id => getComputedStyle(document.querySelector(id + ' rect')).stroke; return edge('#n0') !== edge('#n4')";
-    assert_eq!(browser.run(edges), true);
+    browser.wait("its edge is coloured", edges);
     for (unit, co2, temperature) in [("mmHg", "mmHg", "°F"), ("kPa", "kPa", "°C")] {
         browser.choose("#units", unit);
         browser.wait(
@@ -77,7 +75,7 @@ fn a_valve_under_control_shows_it_and_fails_by_its_actuator() {
     );
     browser.press("#speed", "× 10");
     browser.wait("it travels to its stop", "return [...document.querySelectorAll('.element.valve')].some(e => e.getAttribute('aria-label') === 'valve che_valve' && e.textContent.includes('100.0 %'))");
-    assert!((plant.value("bypass_valve.opening") - 0.1).abs() < 1e-3);
+    plant.wait("bypass_valve.opening", "0.1", |opening| (opening - 0.1).abs() < 1e-3);
     browser.click("button[aria-label='che_valve.opening: open']");
     browser.wait("it is repaired", "return !document.querySelector('.element.broken')");
     // The sensor of the same loop, by its fault.
@@ -87,15 +85,9 @@ fn a_valve_under_control_shows_it_and_fails_by_its_actuator() {
         "it is said",
         "return document.querySelector('#news').textContent === 'cabin_temperature.sensor_fault: drops out'",
     );
-    assert!((plant.value("cabin_temperature.sensor_fault") - 2.0).abs() < 1e-6);
+    plant.wait("cabin_temperature.sensor_fault", "2", |fault| (fault - 2.0).abs() < 1e-6);
     // A setpoint is typed in the unit shown.
     browser.run("const l = [...document.querySelectorAll('#inputs label')].find(l => l.textContent === 'cabin_temperature.setpoint').control; l.value = 21; l.onchange();");
-    for _ in 0..40 {
-        if (plant.value("cabin_temperature.setpoint") - 294.15).abs() < 1e-3 {
-            break;
-        }
-        sleep(Duration::from_millis(50));
-    }
-    assert!((plant.value("cabin_temperature.setpoint") - 294.15).abs() < 1e-3);
+    plant.wait("cabin_temperature.setpoint", "294.15 K", |setpoint| (setpoint - 294.15).abs() < 1e-3);
     assert_quiet(&browser);
 }

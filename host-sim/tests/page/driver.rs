@@ -12,6 +12,9 @@ use serde_json::{Value, json};
 /// Chromium in turn: several at once would slow each other below what the tests ask.
 static TURN: Mutex<()> = Mutex::new(());
 
+/// How long something that must come is waited for: much longer than it takes, because the machine may be busy.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(40);
+
 /// A session of a browser; both end when dropped.
 pub(crate) struct Browser {
     driver: Child,
@@ -92,7 +95,7 @@ impl Browser {
     /// Waits until a script returns true.
     #[track_caller]
     pub(crate) fn wait(&self, what: &str, script: &str) {
-        let until = Instant::now() + Duration::from_secs(20);
+        let until = Instant::now() + PATIENCE;
         while self.run(script) != Value::Bool(true) {
             assert!(
                 Instant::now() < until,

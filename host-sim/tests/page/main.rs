@@ -60,7 +60,7 @@ fn it_loads_keeps_up_and_asks_nobody_else() {
 fn a_slider_moves_the_plant_and_the_drawing() {
     let (plant, browser) = opened("paper.toml");
     // In the file the valve follows a schedule; by hand it does not.
-    assert_eq!(browser.run("return document.querySelector('#input-1').disabled"), true);
+    browser.wait("the slider is held", "return document.querySelector('#input-1').disabled");
     browser.press("#scenario", "by");
     browser.wait("the slider is free", "return !document.querySelector('#input-1').disabled");
     browser.press("#speed", "× 10");
@@ -68,22 +68,21 @@ fn a_slider_moves_the_plant_and_the_drawing() {
         "the loop settles",
         "return Math.abs(parseFloat(document.querySelector('#l0f').textContent) - 86.48) < 0.06",
     );
-    let open = plant.value("loop.mass_flow");
-    let arrows = "return document.querySelector('#l0a').getAttribute('d')";
+    plant.wait("loop.mass_flow", "86.5 g/s", |flow| (flow - 0.0865).abs() < 5e-4);
     // Those that would lie under a symbol are left out: five to eight are left, by where they are on their way.
-    let drawn = browser.run(arrows);
-    let count = drawn.as_str().unwrap().matches('M').count();
-    assert!((4..10).contains(&count), "{count} arrows are drawn: {drawn}");
+    browser.wait(
+        "four to nine arrows are drawn",
+        "const count = document.querySelector('#l0a').getAttribute('d').split('M').length - 1; return count >= 4 && count < 10",
+    );
+    let drawn = browser.run("return document.querySelector('#l0a').getAttribute('d')");
     browser
         .wait("arrows move", &format!("return document.querySelector('#l0a').getAttribute('d') !== {drawn}"));
     // By keyboard alone: all the way to the left.
     browser.press("#input-1", HOME);
     browser.wait("the drawing shows it", "return parseFloat(document.querySelector('#l0f').textContent) < 1");
-    let shut = plant.value("loop.mass_flow");
-    assert!(plant.value("valve.opening") < 1e-6);
-    assert!((open - 0.0865).abs() < 5e-4 && shut.abs() < 1e-3, "{open} kg/s open, {shut} kg/s shut");
-    let symbol = browser.run("return document.querySelector('#e5a').textContent");
-    assert_eq!(symbol, "0.0 %");
+    plant.wait("valve.opening", "shut", |opening| opening < 1e-6);
+    plant.wait("loop.mass_flow", "none", |flow| flow.abs() < 1e-3);
+    browser.wait("the valve says so", "return document.querySelector('#e5a').textContent === '0.0 %'");
     assert_quiet(&browser);
 }
 
@@ -105,8 +104,8 @@ fn a_malfunction_shows_and_is_repaired() {
         "the air stands",
         "return parseFloat(document.querySelector('#l0f').textContent.replace('−', '-')) < 40",
     );
-    let less = plant.value("lab_node1.mass_flow");
-    assert!(plant.value(&format!("{id}.speed")) < 1e-6 && less < 0.6 * whole, "{whole} kg/s, then {less}");
+    plant.wait(&format!("{id}.speed"), "none", |speed| speed < 1e-6);
+    plant.wait("lab_node1.mass_flow", "less than 0.6 of what it was", |flow| flow < 0.6 * whole);
     browser.click(&format!("button[aria-label='{id}.speed: stops']"));
     browser.wait("it is whole again", "return !document.querySelector('.element.broken')");
     browser.wait("the air moves", "return parseFloat(document.querySelector('#l0f').textContent) > 60");
@@ -121,14 +120,15 @@ fn pause_step_and_units_work_from_the_keyboard() {
         "it is held",
         "return document.querySelector('#pause').getAttribute('aria-pressed') === 'true'",
     );
-    let tick = plant.frame()["figures"]["tick"].as_u64().unwrap();
+    // What is shown as held may be a frame older than the plant's last word.
+    let tick = plant.still();
     browser.press("#step", "\u{E007}");
     let wait = format!(
         "return [...document.querySelectorAll('#figures dd')].some(cell => cell.textContent === '{}')",
         tick + 1
     );
     browser.wait("one step was taken", &wait);
-    assert_eq!(plant.frame()["figures"]["tick"].as_u64(), Some(tick + 1));
+    assert_eq!(plant.still(), tick + 1);
     browser.press("#units", "mm");
     browser.wait(
         "pressures in mmHg",
@@ -141,11 +141,19 @@ fn pause_step_and_units_work_from_the_keyboard() {
         "the choice is said",
         "return document.querySelector('#news').textContent.startsWith('fan, mass flow')",
     );
-    assert_eq!(browser.run("return document.querySelector('#e1').getAttribute('aria-pressed')"), "true");
+    browser.wait(
+        "the choice is marked",
+        "return document.querySelector('#e1').getAttribute('aria-pressed') === 'true'",
+    );
+    // A plant that is held still sends frames, each of them a row.
     browser.click("#record");
-    sleep(Duration::from_millis(300));
+    browser.wait("it is recorded", "return parseInt(document.querySelector('#recorded').textContent) >= 1");
+    let rows = browser.run("return parseInt(document.querySelector('#recorded').textContent)");
     browser.press("#step", "\u{E007}");
-    browser.wait("rows are recorded", "return parseInt(document.querySelector('#recorded').textContent) > 1");
+    browser.wait(
+        "rows are recorded",
+        &format!("return parseInt(document.querySelector('#recorded').textContent) > {rows}"),
+    );
     assert_quiet(&browser);
 }
 
@@ -193,6 +201,11 @@ const OVERLAPS: &str = "
   if (wide > 0) found.push('the page is too wide by ' + wide);
   return found";
 
+/// Whether the first node's pressure is drawn in a unit, which is so once a frame came after the choice.
+fn drawn_in(unit: &str) -> String {
+    format!("return document.querySelector('#n0a').textContent.endsWith('{unit}')")
+}
+
 #[test]
 fn pictures_of_loops_stations_and_a_climate_light_and_dark_wide_and_narrow_have_nothing_overlapping() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("page");
@@ -216,11 +229,13 @@ fn pictures_of_loops_stations_and_a_climate_light_and_dark_wide_and_narrow_have_
             );
             for units in ["kPa", "mmHg"] {
                 browser.choose("#units", units);
+                browser.wait(units, &drawn_in(units));
                 sleep(Duration::from_millis(400));
                 let found = browser.run(OVERLAPS);
                 assert_eq!(found, serde_json::json!([]), "{network}, {scheme}, {width} px, {units}");
             }
             browser.choose("#units", "kPa");
+            browser.wait("kPa", &drawn_in("kPa"));
             sleep(Duration::from_millis(400));
             let name = Path::new(network).file_stem().unwrap().display();
             let path = folder.join(format!("{name}_{scheme}_{width}.png"));
@@ -272,22 +287,23 @@ fn a_loop_with_hardware_shows_mode_channels_and_link() {
         .spawn()
         .unwrap();
     let browser = Browser::start(1440, 1000);
-    sleep(Duration::from_millis(500));
+    for _ in 0..400 {
+        if std::net::TcpStream::connect("127.0.0.1:8993").is_ok() {
+            break;
+        }
+        sleep(Duration::from_millis(50));
+    }
     browser.open("http://127.0.0.1:8993/");
     browser.wait("frames arrive", "return Number(document.documentElement.dataset.frames || 0) > 3");
-    let told = "return document.querySelector('#loop').textContent";
     browser.wait("the mode is shown", "return /ModeRUN/.test(document.querySelector('#loop').textContent)");
-    assert!(browser.run(told).as_str().unwrap().contains("Linkup"), "{}", browser.run(told));
-    let channels =
-        "return [...document.querySelectorAll('#channels tr')].map((row) => row.textContent).join()";
+    browser.wait("the link is up", "return document.querySelector('#loop').textContent.includes('Linkup')");
     browser.wait(
         "outputs are good",
         "return /loop.mass_flowoutgood0/.test(document.querySelector('#channels').textContent)",
     );
-    assert!(
-        browser.run(channels).as_str().unwrap().starts_with("valve.opening"),
-        "{}",
-        browser.run(channels)
+    browser.wait(
+        "the command comes first",
+        "return [...document.querySelectorAll('#channels tr')].map(row => row.textContent).join().startsWith('valve.opening')",
     );
     assert_quiet(&browser);
     if let Ok(folder) = std::env::var("ECLSS_PICTURES") {

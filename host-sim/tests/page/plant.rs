@@ -4,9 +4,11 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
+
+use super::driver::PATIENCE;
 
 /// A running `eclss-rt serve`; it is ended when dropped.
 pub(crate) struct Plant {
@@ -66,6 +68,39 @@ impl Plant {
         let values = network["values"].as_array().expect("values");
         let place = values.iter().position(|value| value["id"] == id).expect("a published value");
         self.frame()["values"][place].as_f64().expect("a number")
+    }
+}
+
+impl Plant {
+    /// Waits until a published value is as it should be.
+    #[track_caller]
+    pub(crate) fn wait(&self, id: &str, wanted: &str, is: impl Fn(f64) -> bool) {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let value = self.value(id);
+            if is(value) {
+                return;
+            }
+            assert!(Instant::now() < until, "{id} is {value}, never {wanted}");
+            sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// The tick at which a plant stands that is held: the same over several frames.
+    #[track_caller]
+    pub(crate) fn still(&self) -> u64 {
+        let tick = || self.frame()["figures"]["tick"].as_u64().expect("a tick");
+        let until = Instant::now() + PATIENCE;
+        let mut last = tick();
+        loop {
+            sleep(Duration::from_millis(300));
+            let next = tick();
+            if next == last {
+                return next;
+            }
+            assert!(Instant::now() < until, "it is not held: tick {next}");
+            last = next;
+        }
     }
 }
 
