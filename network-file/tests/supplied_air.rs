@@ -3,7 +3,8 @@
 
 mod support;
 
-use eclss_core::Health;
+use eclss_core::climate::medium::NITROGEN;
+use eclss_core::{Health, Strayed};
 use eclss_network_file::steady::steady;
 use eclss_network_file::{parse, unrest};
 use support::with_network;
@@ -195,4 +196,30 @@ fn sources_that_cancel_rest() {
     let told: Vec<_> = unrest(&loaded).into_iter().map(|unrest| unrest.reason).collect();
     assert_eq!(told.len(), 3, "{told:#?}");
     assert!(steady(&loaded.network(), &loaded.inputs).is_err());
+}
+
+/// A sink that takes more than there is ends the run by the name of what it took, nitrogen as any other part.
+#[test]
+fn nitrogen_that_is_not_there_is_not_taken() {
+    for method in ["implicit-euler", "tr-bdf2"] {
+        let text = boxed(method, "10ms", -0.01)
+            .replace("kind = \"boundary\"", "kind = \"cabin\"\nvolume_m3 = 0.1")
+            .replacen(
+                "temperature_k = 295.15\n[[line]]",
+                "temperature_k = 295.15\noxygen_pa = 0.0\n[[line]]",
+                1,
+            );
+        with_network(&text, |_, simulator| {
+            // 0.35 kg are gone after 35 s.
+            let health = simulator.step_times(6_000);
+            assert!(
+                matches!(health, Health::Faulted(_)),
+                "{method}: {health:?} after {} s",
+                simulator.time_us() / 1_000_000
+            );
+            let beyond = simulator.excursion().map(|excursion| excursion.quantity);
+            assert_eq!(beyond, Some(Strayed::Part(NITROGEN as u32)), "{method}");
+            assert!(simulator.time_us() > 25_000_000, "{method}: {} µs", simulator.time_us());
+        });
+    }
 }

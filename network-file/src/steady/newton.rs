@@ -55,6 +55,8 @@ struct Problem<'n, E> {
     memory: Vec<f32>,
     /// Largest pressure difference that boundaries and heads can make [Pa].
     span_pa: f64,
+    /// Pressure that sources can build up beyond it [Pa]; 0 without any.
+    built_pa: f64,
     /// Flow that it would drive through each line, and through all lines of each node [kg/s].
     line_kg_s: Vec<f64>,
     node_kg_s: Vec<f64>,
@@ -102,11 +104,10 @@ impl<'n, E: Element> Problem<'n, E> {
             }
         }
         // What sources feed may rest far above all pressures of the start, as before a choked orifice.
-        let supplied = self.supplied.iter().any(|flow| flow.abs() > 0.0);
         for share in [0.1, 1.0, 10.0] {
             let good = best.residual <= ENOUGH;
-            if supplied && !good {
-                let (point, more) = self.search(self.raised(share * self.span_pa), HALVINGS);
+            if self.built_pa > 0.0 && !good {
+                let (point, more) = self.search(self.raised(share * self.built_pa), HALVINGS);
                 iterations += more;
                 if point.residual < best.residual || best.residual.is_nan() {
                     best = point;
@@ -178,6 +179,7 @@ impl<'n, E: Element> Problem<'n, E> {
             island,
             memory,
             span_pa: 0.0,
+            built_pa: 0.0,
             line_kg_s: Vec::new(),
             node_kg_s: Vec::new(),
         };
@@ -199,11 +201,11 @@ impl<'n, E: Element> Problem<'n, E> {
             }
         }
         let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
+        self.span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
         // What sources bring may leave through any line, and builds up what pressure that takes.
         let supplied: f64 = self.supplied.iter().map(|flow| flow.abs()).sum();
         let losses = laws.iter().map(|law| law.loss(supplied).abs()).fold(0.0, f64::max);
-        let built = if supplied > 0.0 { losses.min(f64::from(Fault::GAUGE_LIMIT_PA)) } else { 0.0 };
-        self.span_pa = ((high - low).max(0.0) + heads + built).max(SMALLEST_SPAN_PA);
+        self.built_pa = if supplied > 0.0 { losses.min(f64::from(Fault::GAUGE_LIMIT_PA)) } else { 0.0 };
         self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head).max(supplied)).collect();
         self.node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
         for (line, flow) in network.lines.iter().zip(&self.line_kg_s) {
@@ -249,14 +251,15 @@ impl<'n, E: Element> Problem<'n, E> {
     fn at(&self, gauge: Vec<f64>, flow: Vec<f64>, rate: Vec<f64>) -> Point {
         let laws = self.laws(&gauge, &flow);
         let mut net = self.own(&rate);
-        let mut imbalance = 0.0f64;
+        let mut residual = 0.0f64;
         for ((line, law), &w) in self.network.lines.iter().zip(&laws).zip(&flow) {
             let drop = Self::drop_pa(line, &gauge);
-            imbalance = worse(imbalance, (drop - law.loss(w)).abs());
+            // By what the line holds back, where sources have built up more than the span.
+            let scale = self.span_pa.max(drop.abs().min(self.built_pa));
+            residual = worse(residual, (drop - law.loss(w)).abs() / scale);
             net[line.from as usize] -= law.inlet * w;
             net[line.to as usize] += law.outlet * w;
         }
-        let mut residual = imbalance / self.span_pa;
         for ((node, net), scale) in self.network.nodes.iter().zip(&net).zip(&self.node_kg_s) {
             if node.kind != NodeKind::Boundary {
                 residual = worse(residual, net.abs() / scale);
