@@ -1,6 +1,7 @@
 //! Hardware in the loop on a Linux computer: the loop of `eclss_target::control` at a fixed rate, with a link to
 //! hardware, a recorder and a report.
 
+pub mod arming;
 pub mod board;
 pub mod handover;
 pub mod loopback;

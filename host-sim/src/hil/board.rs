@@ -137,9 +137,12 @@ impl<'t> Pc<'t> {
     /// Takes the orders that have come.
     fn take_orders(&mut self) {
         let armed = self.bound && self.tap.borrow().present_mode().is_armed();
-        while let Ok(order) = self.orders.pop() {
+        // One request a tick: what a second one finds is the mode that the first has made. A clock that stands does none.
+        while self.request.is_none() || self.clock.pace() == Pace::Paused {
+            let Ok(order) = self.orders.pop() else { break };
             match order {
                 Order::Quit => self.quits = true,
+                Order::Mode(_) if self.request == Some(Request::Stop) => {}
                 Order::Mode(request) => self.request = Some(request),
                 Order::Pace(pace) => {
                     self.measured.refused += u32::from(self.clock.set(pace, armed).is_err());

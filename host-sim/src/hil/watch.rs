@@ -17,11 +17,12 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use eclss_core::Settings;
-use eclss_core::mode::{Mode, Request};
+use eclss_core::mode::Request;
 use eclss_core::protocol::{Command, Config, Link as Session, Role};
 use eclss_target::coupling::{LinkReport, link_counts};
 use eclss_target::wire::{Address, Link, open};
 
+use super::arming::Arming;
 use super::handover::{Head, Row};
 use super::page::{self, Page};
 use super::recorder::Recorder;
@@ -83,7 +84,8 @@ pub fn watch(source: &Source, job: &Job, out: &mut dyn Write) -> Result<WatchRep
     let session = Session::new(config(source, job.settings.step_us), epoch_ns as u32 | 1);
     let console = Console::new(loaded, job.shows);
     let begun = Instant::now();
-    let mut bench = Bench { link, session, desk, console, recorder, page, row, begun, tick: 0 };
+    let arming = Arming::new(job.arm);
+    let mut bench = Bench { link, session, desk, console, arming, recorder, page, row, begun, tick: 0 };
     bench.run(job, out)?;
     bench.end(source, job)
 }
@@ -124,6 +126,7 @@ struct Bench {
     session: Session,
     desk: Desk,
     console: Console,
+    arming: Arming,
     recorder: Option<Recorder>,
     page: Option<Shown>,
     row: Row,
@@ -144,7 +147,7 @@ impl Bench {
             let asked = self.read(out)?;
             self.console.acknowledged(out, &mut self.session);
             if let Some(orders) = &job.orders
-                && self.console.orders(out, orders, &mut self.desk)
+                && self.console.orders(out, orders, &mut self.desk, &mut self.arming)
             {
                 break;
             }
@@ -160,7 +163,7 @@ impl Bench {
             self.session.sent(taken);
             if now >= framed {
                 framed = now + FRAME;
-                if job.arm && self.desk.mode() == Mode::Ready && !self.session.is_commanding() {
+                if self.arming.is_due(self.desk.mode()) && !self.session.is_commanding() {
                     self.session.command(Command::Mode(Request::Arm));
                 }
                 self.show();
@@ -196,6 +199,7 @@ impl Bench {
 
     fn packet(&mut self, now_us: u64, out: &mut dyn Write) -> Result<(), Failure> {
         let received = self.session.newest();
+        self.arming.observe(received.data.mode);
         if let Some((from, to)) = self.desk.take(received) {
             let text = format!("{from} → {to}");
             self.console.say(out, &text);

@@ -1,6 +1,8 @@
 //! What tests of the real-time loop share: jobs, and a controller at the other end of a link.
 #![allow(dead_code, reason = "every test takes what it needs of it")]
 
+pub(crate) mod console;
+
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::pin::pin;

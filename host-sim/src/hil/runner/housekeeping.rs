@@ -14,6 +14,7 @@ use rtrb::{Consumer, Producer};
 
 use super::{Job, Outcome, Seen, cause};
 use crate::Failure;
+use crate::hil::arming::Arming;
 use crate::hil::board::Order;
 use crate::hil::handover::Taker;
 use crate::hil::operator::{interrupts, type_along};
@@ -30,7 +31,7 @@ const SHOW_EVERY: u32 = 10;
 pub(super) struct Housekeeping<'o> {
     out: &'o mut dyn Write,
     shows: bool,
-    arm: bool,
+    arming: Arming,
     recorder: Option<Recorder>,
     /// Why the record ended early.
     failed: Option<Failure>,
@@ -61,7 +62,7 @@ impl<'o> Housekeeping<'o> {
         Self {
             out,
             shows: job.shows,
-            arm: job.arm,
+            arming: Arming::new(job.arm),
             recorder,
             failed: None,
             rows,
@@ -108,10 +109,11 @@ impl<'o> Housekeeping<'o> {
         match event {
             Event::Status { account, mode, .. } => {
                 (self.account, self.mode) = (Some(account), mode);
+                self.arming.observe(mode);
                 let due = self.until_shown == 0;
                 self.until_shown = if due { SHOW_EVERY } else { self.until_shown } - 1;
                 if due {
-                    if self.arm && mode == Mode::Ready {
+                    if self.arming.is_due(mode) {
                         self.order(Order::Mode(Request::Arm));
                     }
                     self.show_status(&event);
@@ -122,11 +124,13 @@ impl<'o> Housekeeping<'o> {
             }
             Event::Mode { tick, from, to } => {
                 (self.mode, self.cause) = (to, None);
+                self.arming.observe(to);
                 self.say(tick, &format!("{} → {}", from.name(), to.name()));
             }
             Event::Safe { tick, cause: why } => {
                 let from = self.mode.name();
                 (self.mode, self.cause) = (Mode::Safe, Some(why));
+                self.arming.observe(Mode::Safe);
                 self.say(tick, &format!("{from} → SAFE: {}", cause(why)));
             }
             Event::Ended { account, mode, .. } => (self.account, self.mode) = (Some(account), mode),
@@ -177,7 +181,12 @@ impl<'o> Housekeeping<'o> {
             let Some(typed) = &self.typed else { return };
             match typed.try_recv() {
                 Ok(line) => match parse(line.trim()) {
-                    Some(order) => self.order(order),
+                    Some(order) => {
+                        if let Order::Mode(request) = order {
+                            self.arming.request(request);
+                        }
+                        self.order(order);
+                    }
                     None if line.trim().is_empty() => {}
                     None => self.say(0, ORDERS),
                 },

@@ -8,6 +8,7 @@ use eclss_core::mode::Request;
 use eclss_core::protocol::{Command, Link as Session, Outcome};
 use eclss_network_file::Loaded;
 
+use super::super::arming::Arming;
 use super::desk::Desk;
 
 const ORDERS: &str =
@@ -62,12 +63,19 @@ impl Console {
     }
 
     /// Takes orders; returns whether the end was one of them.
-    pub(super) fn orders(&mut self, out: &mut dyn Write, lines: &Receiver<String>, desk: &mut Desk) -> bool {
+    pub(super) fn orders(
+        &mut self,
+        out: &mut dyn Write,
+        lines: &Receiver<String>,
+        desk: &mut Desk,
+        arming: &mut Arming,
+    ) -> bool {
         while let Ok(line) = lines.try_recv() {
             let line = line.trim();
             match parse(line) {
                 Some(Order::Quit) => return true,
                 Some(Order::Mode(request)) => {
+                    arming.request(request);
                     self.waiting.push_back((Command::Mode(request), line.to_owned()));
                 }
                 Some(Order::Set(name, value)) => match (desk.set(&name, value), self.slot(&name)) {

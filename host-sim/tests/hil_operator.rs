@@ -1,0 +1,76 @@
+//! `eclss-rt hil` under its operator: what is typed, what signals do, and what is left behind.
+
+mod bench;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bench::console::Console;
+use bench::{network, place, settled};
+use eclss_core::mode::Mode;
+use eclss_core::protocol::{Link as Session, Outgoing, Role};
+use eclss_target::wire::{Address, open};
+
+const STEP_US: u32 = 10_000;
+
+/// A plant at rest, and where its link is.
+struct Plant {
+    console: Console,
+    socket: PathBuf,
+}
+
+/// Starts `networks/hil.toml` at rest with its link on a socket, and waits until it listens to orders.
+fn plant(name: &str, more: &[&str]) -> Plant {
+    let source = network("hil.toml");
+    let (socket, start) = (place(&format!("{name}.sock")), place(&format!("{name}.eckp")));
+    std::fs::write(&start, settled(&source, STEP_US)).unwrap();
+    let link = format!("unix-listen:{}", socket.display());
+    let words = [
+        &["hil", "--network", "networks/hil.toml", "--rate", "100", "--link", &link, "--operator"][..],
+        &["--start", start.to_str().unwrap()],
+        more,
+    ];
+    Plant { console: Console::start(&words.concat()), socket }
+}
+
+/// Sends good values to the plant at `socket` as long as it is there.
+fn hardware(socket: PathBuf) {
+    let config = bench::config(&network("hil.toml"), Role::Controller, STEP_US);
+    std::thread::spawn(move || {
+        let (mut link, _keeper) = open(&Address::Unix { path: socket, listens: false }).unwrap();
+        let mut session = Session::new(config, 5);
+        let mut bytes = [0; 2_048];
+        for tick in 0.. {
+            let length = link.read(&mut bytes);
+            session.feed(&bytes[..length], tick);
+            let values = Outgoing { mode: Mode::Run, values: &[1.0, 1.0], ..Outgoing::default() };
+            session.send_tick(tick, tick, &values);
+            let taken = link.write(session.outgoing());
+            session.sent(taken);
+            std::thread::sleep(Duration::from_micros(STEP_US.into()));
+        }
+    });
+}
+
+/// After the operator has disarmed or stopped, hardware is armed by nobody but the operator.
+#[test]
+fn arming_is_once_and_the_operator_has_the_last_word() {
+    let mut plant = plant("once", &["--arm"]);
+    hardware(plant.socket.clone());
+    let console = &mut plant.console;
+    console.wait_for("READY → RUN");
+    console.order("disarm");
+    console.wait_for("RUN → READY");
+    console.listen(Duration::from_millis(2_500));
+    assert_eq!(console.count("READY → RUN"), 1, "{}", console.said.join("\n"));
+    console.order("arm");
+    console.wait_for("READY → RUN");
+    console.order("stop");
+    console.wait_for("RUN → SAFE");
+    console.order("acknowledge");
+    console.wait_for("SAFE → READY");
+    console.listen(Duration::from_millis(2_500));
+    assert_eq!(console.count("READY → RUN"), 2, "{}", console.said.join("\n"));
+    console.order("quit");
+    assert!(console.end(Duration::from_secs(20)).success());
+}
