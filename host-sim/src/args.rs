@@ -291,18 +291,42 @@ pub(crate) struct BenchArgs {
 /// Arguments of `generate`.
 #[derive(Debug, Args)]
 pub(crate) struct GenerateArgs {
-    /// How nodes hang together: chain, star, tree or mesh.
-    #[arg(value_parser = shape)]
-    pub(crate) shape: Shape,
-    /// Number of nodes, supply and exhaust among them.
-    #[arg(long, value_name = "N")]
+    /// How nodes hang together: chain, star, tree or mesh; ring for a closed loop of small cabins, modules for a station of
+    /// copies of one file.
+    #[arg(value_parser = made)]
+    pub(crate) shape: Made,
+    /// Number of nodes, supply and exhaust among them; of modules for `modules`.
+    #[arg(long, value_name = "N", alias = "count")]
     pub(crate) nodes: usize,
     /// What the figures are drawn from.
     #[arg(long, default_value_t = 1, value_name = "S")]
     pub(crate) seed: u64,
+    /// Give a ring heat, moisture and composition.
+    #[arg(long)]
+    pub(crate) air: bool,
+    /// Let losses and heads of a ring follow the density; includes `--air`.
+    #[arg(long)]
+    pub(crate) density_follows: bool,
+    /// Network file of one module, for `modules`.
+    #[arg(long, value_name = "FILE", default_value = "networks/thcs.toml")]
+    pub(crate) module: PathBuf,
+    /// Node at which neighbouring modules are joined, for `modules`.
+    #[arg(long, value_name = "ID", default_value = "cabin")]
+    pub(crate) joint: String,
     /// File to write; printed when absent.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+}
+
+/// Kinds of generated network.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Made {
+    /// Random figures in a shape.
+    Shape(Shape),
+    /// Closed loop of small cabins.
+    Ring,
+    /// Station of equal modules.
+    Modules,
 }
 
 /// Arguments of `schematic`.
@@ -377,11 +401,15 @@ fn page(text: &str) -> Result<std::net::SocketAddr, String> {
         .ok_or_else(|| format!("`{text}` is neither a port nor an address with a port"))
 }
 
-fn shape(name: &str) -> Result<Shape, String> {
-    Shape::from_name(name).ok_or_else(|| {
-        let names: Vec<_> = Shape::ALL.iter().map(|shape| shape.name()).collect();
-        format!("no such shape; there are {}", names.join(", "))
-    })
+fn made(name: &str) -> Result<Made, String> {
+    match name {
+        "ring" => Ok(Made::Ring),
+        "modules" => Ok(Made::Modules),
+        _ => Shape::from_name(name).map(Made::Shape).ok_or_else(|| {
+            let names: Vec<_> = Shape::ALL.iter().map(|shape| shape.name()).collect();
+            format!("no such shape; there are {}, ring, modules", names.join(", "))
+        }),
+    }
 }
 
 fn method(name: &str) -> Result<Method, String> {

@@ -70,7 +70,8 @@ fn the_same_seed_gives_the_same_file_and_without_a_file_it_is_printed() {
 fn wrong_shapes_and_sizes_are_usage() {
     let folder = Folder::new("generate_wrong");
     for (arguments, reason) in [
-        (["generate", "ring", "--nodes", "9"], "there are chain, star, tree, mesh"),
+        (["generate", "knot", "--nodes", "9"], "there are chain, star, tree, mesh, ring, modules"),
+        (["generate", "ring", "--nodes", "1"], "at least 2 nodes"),
         (["generate", "star", "--nodes", "2"], "at least 3 nodes"),
         (["generate", "mesh", "--nodes", "99999"], "at most 16384 nodes"),
     ] {

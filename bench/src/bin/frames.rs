@@ -1,27 +1,32 @@
 //! Runs a network frame by frame, for an instruction counter that watches `eclss_frame`.
 //!
-//! `eclss-frames METHOD STEP_US UNTIL_MS [NODES]`: the paper's valve scenario, or a chain of so many nodes.
+//! `eclss-frames METHOD STEP_US UNTIL_MS [NODES | FILE.toml]`: the paper's valve scenario, a chain of so many nodes, or a
+//! network file.
 //! With `adaptive-in-ranges` for a method, `adaptive` as it steps large networks, by one thread.
 
 use std::error::Error;
 use std::hint::black_box;
 
 use eclss_bench::{Description, Runner};
-use eclss_core::{Health, InTurn, Method, SplitSimulator};
+use eclss_core::{Health, InTurn, Method, Network, SplitSimulator};
 use eclss_parallel::ParallelBuffers;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (method, step_us, until_ms, nodes) = match arguments.as_slice() {
         [method, step_us, until_ms] => (method, step_us, until_ms, None),
+        [method, step_us, until_ms, file] if file.ends_with(".toml") => {
+            let loaded = eclss_network_file::load(file.as_ref())?;
+            return run(&loaded.network(), method, step_us.parse()?, until_ms.parse()?);
+        }
         [method, step_us, until_ms, nodes] => (method, step_us, until_ms, Some(nodes.parse()?)),
         _ => return Err("usage: eclss-frames METHOD STEP_US UNTIL_MS [NODES]".into()),
     };
     let (step_us, until_ms): (u32, u64) = (step_us.parse()?, until_ms.parse()?);
     let description = nodes.map_or_else(Description::paper_loop, Description::node_chain);
     let network = description.network();
-    let mut frames = 0u32;
     if method == "adaptive-in-ranges" {
+        let mut frames = 0u32;
         let mut buffers = ParallelBuffers::new(&network);
         let mut simulator = buffers.simulator(&network, step_us)?;
         for _ in 0..until_ms * 1_000 / u64::from(step_us) {
@@ -33,9 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{frames} frames");
         return Ok(());
     }
+    run(&network, method, step_us, until_ms)
+}
+
+/// Runs a network frame by frame and prints how many there were.
+fn run(network: &Network<'_>, method: &str, step_us: u32, until_ms: u64) -> Result<(), Box<dyn Error>> {
     let method = Method::from_name(method).ok_or("no such method")?;
-    let mut runner = Runner::new(&network, method);
-    let mut simulator = runner.simulator(&network, method, step_us)?;
+    let mut runner = Runner::new(network, method);
+    let mut simulator = runner.simulator(network, method, step_us)?;
+    let mut frames = 0u32;
     while simulator.time_us() < until_ms * 1_000 {
         if eclss_frame(|| simulator.step()) != Health::Trusted {
             return Err("the run left its range".into());
