@@ -35,6 +35,7 @@ fn best(sizes: &[usize], bar: f64, figure: impl Fn(&[Row]) -> f64) -> f64 {
 
 #[test]
 fn relaxation_costs_no_more_than_the_floor_and_grows_linearly() {
+    let _turn = crate::alone();
     if cfg!(debug_assertions) {
         return;
     }
@@ -52,6 +53,7 @@ fn relaxation_costs_no_more_than_the_floor_and_grows_linearly() {
 
 #[test]
 fn every_method_is_measured_and_the_dense_baseline_is_the_slowest_of_ours() {
+    let _turn = crate::alone();
     let mut seen = Vec::new();
     let rows = chain_costs(&[40], &mut |progress| seen.push(progress.equations)).expect("a short chain runs");
     assert_eq!(seen, [40, 0]);
@@ -67,6 +69,7 @@ fn every_method_is_measured_and_the_dense_baseline_is_the_slowest_of_ours() {
 #[cfg(feature = "peers")]
 #[test]
 fn the_peers_worst_frame_is_far_above_its_mean() {
+    let _turn = crate::alone();
     let rows = chain_costs(&[100], &mut |_| {}).expect("the peer solves the chain");
     let bdf = of(&rows, "bdf", 100);
     println!("bdf at 100: mean {:.0} ns, worst {:.0} ns", bdf.mean_ns, bdf.repeated_ns);

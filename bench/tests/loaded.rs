@@ -63,6 +63,7 @@ fn instructions(file: &Path, method: &str, steps: u64) -> u64 {
 
 #[test]
 fn a_step_of_a_loaded_network_takes_at_most_its_instructions() {
+    let _turn = crate::alone();
     if Command::new("valgrind").arg("--version").output().is_err() {
         println!("valgrind is not installed: nothing counted");
         return;

@@ -31,6 +31,7 @@ fn tell(method: &str, what: &str, figure: f64, bar: f64) {
 
 #[test]
 fn cost_grows_with_the_nodes_and_stays_near_the_floor() {
+    let _turn = crate::alone();
     if cfg!(debug_assertions) {
         return;
     }
@@ -54,6 +55,7 @@ fn cost_grows_with_the_nodes_and_stays_near_the_floor() {
 
 #[test]
 fn a_million_equations_cost_little_more_than_their_roots_with_one_thread_and_with_all() {
+    let _turn = crate::alone();
     if cfg!(debug_assertions) {
         return;
     }
@@ -73,6 +75,7 @@ fn a_million_equations_cost_little_more_than_their_roots_with_one_thread_and_wit
 
 #[test]
 fn a_mesh_runs_with_both_methods() {
+    let _turn = crate::alone();
     let rows = mesh_cost(12).expect("a mesh runs");
     assert_eq!(rows.len(), 3);
     assert!(rows.iter().all(|row| row.median_ns > 0.0 && row.ratio_to_floor > 0.0), "{rows:?}");

@@ -5,7 +5,7 @@
 //! cargo run --release -p eclss-core --features protocol --example hostile -- wire 1000000 [SEED]
 //! ```
 
-#[path = "../tests/hostile/mod.rs"]
+#[path = "../tests/hostile/bytes.rs"]
 mod bytes;
 #[path = "../tests/hostile/wire.rs"]
 mod wire;

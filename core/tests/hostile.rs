@@ -1,11 +1,8 @@
 //! A hundred thousand hostile byte strings against decoder and link, and a hundred thousand frames over a bad wire.
 //! The whole campaigns: `cargo run --release -p eclss-core --features protocol --example hostile -- 10000000` and
 //! `… --example hostile -- wire 1000000`.
-#![cfg(feature = "protocol")]
 
-#[path = "hostile/mod.rs"]
 mod bytes;
-#[path = "hostile/wire.rs"]
 mod wire;
 
 #[test]

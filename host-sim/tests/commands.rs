@@ -1,11 +1,9 @@
 //! Commands, exit codes and refusals.
 
-mod common;
-
 use std::io::Read;
 use std::process::Stdio;
 
-use common::Folder;
+use crate::common::Folder;
 
 const PAPER: &str = include_str!("../../networks/paper.toml");
 

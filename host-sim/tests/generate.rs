@@ -1,8 +1,6 @@
 //! `generate` and `steady`: what is made up is accepted, runs, and comes to the rest that is computed for it.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 /// Runs the program and reads what it says.

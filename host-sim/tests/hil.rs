@@ -1,15 +1,13 @@
 //! The real-time loop on this computer: link, record, replay, counters. Nothing here depends on how punctual the
 //! computer is.
 
-mod bench;
-
 use std::io::sink;
 use std::net::UdpSocket;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use bench::{config, controller, job, network, place, settled};
+use crate::bench::{config, controller, job, network, place, settled};
 use eclss_core::mode::Mode;
 use eclss_core::protocol::{Link as Session, Outgoing, Role};
 use eclss_host_sim::hil::board::Stall;

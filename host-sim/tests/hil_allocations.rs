@@ -1,11 +1,9 @@
 //! The loop allocates nothing: counted in its own thread, with a link, a record and an armed peer.
 
-mod bench;
-
 use std::alloc::{GlobalAlloc, Layout as Memory, System};
 use std::cell::Cell;
 
-use bench::{config, controller, job, network, place, settled};
+use crate::bench::{config, controller, job, network, place, settled};
 use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::protocol::{Link as Session, Role};
 use eclss_host_sim::HostBuffers;

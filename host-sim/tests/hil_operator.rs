@@ -1,12 +1,10 @@
 //! `eclss-rt hil` under its operator: what is typed, what signals do, and what is left behind.
 
-mod bench;
-
 use std::path::PathBuf;
 use std::time::Duration;
 
-use bench::console::Console;
-use bench::{network, place, settled};
+use crate::bench::console::Console;
+use crate::bench::{network, place, settled};
 use eclss_core::mode::Mode;
 use eclss_core::protocol::{Link as Session, Outgoing, Role};
 use eclss_target::wire::{Address, open};
@@ -35,7 +33,7 @@ fn plant(name: &str, more: &[&str]) -> Plant {
 
 /// Sends good values to the plant at `socket` as long as it is there.
 fn hardware(socket: PathBuf) {
-    let config = bench::config(&network("hil.toml"), Role::Controller, STEP_US);
+    let config = crate::bench::config(&network("hil.toml"), Role::Controller, STEP_US);
     std::thread::spawn(move || {
         let (mut link, _keeper) = open(&Address::Unix { path: socket, listens: false }).unwrap();
         let mut session = Session::new(config, 5);

@@ -1,8 +1,6 @@
 //! `eclss-rt run --json`: what other programs read.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use serde_json::Value;
 
 fn run(folder: &Folder, arguments: &[&str]) -> (i32, Value) {

@@ -1,10 +1,8 @@
 //! The experiment's table, CSV and plots.
 
-mod common;
-
 use std::path::Path;
 
-use common::Folder;
+use crate::common::Folder;
 
 fn texts(path: &Path) -> Vec<String> {
     let svg = std::fs::read_to_string(path).unwrap();

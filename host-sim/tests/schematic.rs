@@ -1,10 +1,8 @@
 //! Drawings: nothing overlaps, by geometry, from one loop to a station of twelve modules.
 
-mod common;
-
 use std::path::Path;
 
-use common::Folder;
+use crate::common::Folder;
 use eclss_host_sim::schematic::{Drawing, Dress, Element, Graph, Line, Node, Style};
 use eclss_network_file::generate::{Shape, generate};
 use eclss_network_file::{NetworkFile, parse};

@@ -1,8 +1,6 @@
 //! Networks that cannot be solved, or never rest, by the command line: refused or told with ids and the file's lines.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 const METHODS: [&str; 4] = ["relaxation", "adaptive", "implicit-euler", "tr-bdf2"];
 

@@ -1,14 +1,12 @@
 //! A plant that somebody else runs, watched: the bench arms it, sets its inputs, takes orders, records what it says.
 
-mod bench;
-
 use std::io::{self, Write, sink};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bench::{job, network, place, settled};
+use crate::bench::{job, network, place, settled};
 use eclss_host_sim::hil::replay::replay;
 use eclss_host_sim::hil::runner::{Job, RecordWishes, run};
 use eclss_host_sim::hil::watch::{self, WatchReport, watch};

@@ -4,9 +4,7 @@
 //! while. The last does not look at values nor at carries, so that arithmetic may change its last bits, and physics its
 //! figures a little, without a new version.
 
-mod support;
-
-use support::with_network;
+use crate::support::with_network;
 
 /// Version and fingerprint of every layout so far. A new layout gets a new version and a new row; rows stay as they are.
 const LAYOUTS: [(u16, u64); 2] = [(2, 0xa647_cda0_96ae_33b3), (3, 0xf26e_cdec_cc55_dd27)];

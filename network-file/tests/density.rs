@@ -1,9 +1,7 @@
 //! Lines whose laws look at the gas: density by the present temperature and composition of the air upstream.
 
-mod support;
-
+use crate::support::with_network;
 use eclss_core::{Health, Simulator};
-use support::with_network;
 
 /// A warm, humid cabin with much carbon dioxide that is heated and loses air to a vacuum and to a colder room.
 fn file(method: &str) -> String {

@@ -1,10 +1,8 @@
 //! What goes far beyond a cabin's life is followed to its end: blow-down to vacuum, loads that nothing cools, fog.
 
-mod support;
-
+use crate::support::{assert_closed, with_network};
 use eclss_core::Health;
 use eclss_core::climate::monitor::Limit;
-use support::{assert_closed, with_network};
 
 /// A cabin that a hole of 100 cm² opens to space.
 const BREACH: &str = r#"

@@ -1,12 +1,10 @@
 //! Two loops of coolant that meet at an interface exchanger.
 
-mod support;
-
 use std::fmt::Write as _;
 
+use crate::support::with_network;
 use eclss_core::Health;
 use eclss_network_file::parse;
-use support::with_network;
 
 /// A loop with a heat load, and one that is cooled; `other` is what stands in the second.
 fn file(other: &str) -> String {

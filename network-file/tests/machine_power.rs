@@ -1,9 +1,7 @@
 //! Fans and pumps with heat and moisture: nothing moves for nothing.
 
-mod support;
-
+use crate::support::with_network;
 use eclss_network_file::parse;
-use support::with_network;
 
 /// A room with a fan that blows through a grille, and `keys` at the fan.
 fn file(keys: &str) -> String {

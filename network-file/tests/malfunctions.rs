@@ -1,14 +1,12 @@
 //! Every component can go wrong: each malfunction is an input that is there, follows a schedule, is commanded live, and
 //! acts. The table here is the one of `docs/network-file.md`.
 
-mod support;
-
 use std::collections::BTreeSet;
 
+use crate::support::with_network;
 use eclss_core::climate::medium::{CARBON_DIOXIDE, OXYGEN};
 use eclss_core::{Health, Simulator};
 use eclss_network_file::{Loaded, parse};
-use support::with_network;
 
 const FILE: &str = include_str!("files/malfunctions.toml");
 const REFERENCE: &str = include_str!("../../docs/network-file.md");

@@ -1,10 +1,8 @@
 //! A volume that `adaptive` slows behaves like one that is larger by 1/φ, for everything that happens in it: crew, heat, removal
 //! and fog as well as what flows. So it comes to the same rest.
 
-mod support;
-
+use crate::support::{assert_closed, with_network};
 use eclss_core::Health;
-use support::{assert_closed, with_network};
 
 /// A cabin beside a short duct, which is stiff for a step of 10 ms.
 const CABIN: &str = r#"

@@ -1,9 +1,7 @@
 //! Heat that is put into a stream which stands still warms both ends of its line alike, whatever rounding makes of its flow.
 
-mod support;
-
+use crate::support::{assert_closed, with_network};
 use eclss_core::Health;
-use support::{assert_closed, with_network};
 
 /// Two cabins, a heater between them whose line is all but shut, and another line that is open.
 const CABINS: &str = r#"

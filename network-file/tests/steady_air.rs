@@ -1,13 +1,11 @@
 //! `start = "steady"` with heat and moisture: pressures, masses and compositions of the start belong together.
 
-mod support;
-
 use std::fmt::Write as _;
 
+use crate::support::with_network;
 use eclss_core::Health;
 use eclss_core::climate::medium::{GAS_CONSTANTS_J_KG_K, dot};
 use eclss_network_file::Loaded;
-use support::with_network;
 
 /// Two rooms between two boundaries, and a loop of coolant; pressures far from rest.
 fn file(start: &str) -> String {

@@ -1,13 +1,11 @@
 //! What comes into a volume from outside is a part of the balance that the implicit methods solve: flows and pressures are right
 //! at the end of the very step in which a source is turned on, however small the volume behind it.
 
-mod support;
-
+use crate::support::with_network;
 use eclss_core::climate::medium::NITROGEN;
 use eclss_core::{Health, Strayed};
 use eclss_network_file::steady::steady;
 use eclss_network_file::{parse, unrest};
-use support::with_network;
 
 /// A box of nitrogen with a source of it, open to the ambient through a pipe.
 const BOX: &str = r#"

@@ -1,9 +1,7 @@
 //! The one loop with hardware on its link: starts without a bump, goes to SAFE when the link is cut, stays there until
 //! somebody acknowledges it.
 
-mod bench;
-
-use bench::{Operator, Peer, Told, run, run_from};
+use crate::bench::{Operator, Peer, Told, run, run_from};
 use eclss_core::mode::{Cause, Mode};
 use eclss_target::control::Event;
 use std::rc::Rc;

@@ -1,9 +1,7 @@
 //! When outputs are given out: `latched` a constant tick after their inputs were read, `immediate` as soon as the step is
 //! done, which is one tick earlier on the wire. Measured by loopback, over the bytes of the link.
 
-mod bench;
-
-use bench::{HIL, Operator, Peer, run_on};
+use crate::bench::{HIL, Operator, Peer, run_on};
 use eclss_core::mode::Mode;
 use eclss_network_file::{Loaded, parse};
 use eclss_target::loopback::{Loopback, Passed};

@@ -1,5 +1,5 @@
 //! What a solver of variable step and order spends in each frame of the valve scenario: executed instructions, the
-//! worst frame over the mean. Ours stand in `cargo test -p eclss-bench --release --test instructions`.
+//! worst frame over the mean. Ours stand in `cargo test -p eclss-bench --release --test all instructions::`.
 //!
 //! `cargo run --release -p eclss-tests --example peer_frames`, with valgrind installed.
 //!

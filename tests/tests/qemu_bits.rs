@@ -1,15 +1,13 @@
 //! The same bits everywhere: after the paper's 26 s every method ends in the state that the host ends in, on every
 //! emulated board, with the network compiled in or loaded at run time.
 
-mod emulator;
-
 use std::path::Path;
 
+use crate::emulator::{MACHINES, measure, measure_day, run};
 use eclss_core::{Fingerprint, Health, Method, Network, Settings, StdElement};
 use eclss_network_file::Loaded;
 use eclss_target::image;
 use eclss_tests::product::with_simulator;
-use emulator::{MACHINES, measure, measure_day, run};
 
 /// Steps of 1 ms that the scenario takes.
 const STEPS: u64 = 26_000;

@@ -1,12 +1,10 @@
 //! What the boards' programs are made of, read from their ELF files: a step that cannot panic, allocate or compute
 //! in `f64`, and programs that leave a network the memory that the build promises it.
 
-mod emulator;
-
 use std::collections::BTreeMap;
 
+use crate::emulator::{MACHINES, elf, memory, run};
 use eclss_target::fit::{MPS2, NUCLEO, Program};
-use emulator::{MACHINES, elf, memory, run};
 use object::elf::FileHeader32;
 use object::read::elf::{ElfFile32, ElfSymbol};
 use object::{Endianness, Object as _, ObjectSymbol as _};

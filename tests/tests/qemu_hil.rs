@@ -3,19 +3,16 @@
 //!
 //! `ECLSS_HIL_SECONDS=60` makes the plant run for so many seconds.
 
-mod emulator;
-mod wire;
-
 use std::process::Command;
 
+use crate::emulator::{Run, linked};
+use crate::wire::{Wire, network, socket};
 use eclss_core::mode::{Mode, Request};
 use eclss_core::process::{InputState, OutputState, Point, Process};
 use eclss_core::protocol::{Command as LinkCommand, Outcome, Outgoing, Role};
 use eclss_core::{Health, LiveInput, Method, Simulator};
 use eclss_target::controller::{Controller, FLOW};
 use eclss_tests::product::with_simulator;
-use emulator::{Run, linked};
-use wire::{Wire, network, socket};
 
 /// Seconds that the plant needs to settle, at most, before it can be armed.
 const SETTLING_S: u32 = 12;

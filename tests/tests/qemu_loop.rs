@@ -1,8 +1,6 @@
 //! The loop on emulated boards: on time, the same every time, and safe when it is not.
 
-mod emulator;
-
-use emulator::{MACHINES, Run, run};
+use crate::emulator::{MACHINES, Run, run};
 
 fn on_all_boards(words: &[&str], check: impl Fn(&Run)) {
     for machine in MACHINES {

@@ -16,7 +16,7 @@ pub(crate) fn command(arguments: &[String]) -> Outcome {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
     let mut build = Command::new("cargo");
     // With a test, so that the libraries are those that the tests use.
-    build.arg("build").args(&TESTS[1..]).args(ALL).args(["--bin", "budget", "--test", "qemu_elf"]);
+    build.arg("build").args(&TESTS[1..]).args(ALL).args(["--bin", "budget", "--test", "qemu"]);
     run(build.current_dir(project::root()))?;
     let program = format!("budget{}", std::env::consts::EXE_SUFFIX);
     let mut budget = Command::new(project::output_folder()?.join("checked").join(program));

@@ -44,7 +44,37 @@ fn string_field(json: &str, name: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::string_field;
+    use super::{root, string_field};
+
+    /// A package's tests are modules of one program, so a file that no program names would never run.
+    #[test]
+    fn every_file_of_a_tests_folder_is_a_module() {
+        let text = |path: &std::path::Path| std::fs::read_to_string(path).expect("it can be read");
+        let packages = std::fs::read_dir(root()).expect("the workspace").flatten().map(|entry| entry.path());
+        let folders: Vec<_> =
+            packages.map(|package| package.join("tests")).filter(|path| path.is_dir()).collect();
+        assert!(folders.len() > 4, "{folders:?}");
+        for folder in folders {
+            let manifest = text(&folder.with_file_name("Cargo.toml"));
+            let files = std::fs::read_dir(&folder).expect("a folder").flatten().map(|entry| entry.path());
+            let files: Vec<_> =
+                files.filter(|path| path.extension().is_some_and(|end| end == "rs")).collect();
+            let named = |path: &std::path::Path| {
+                let stem = path.file_stem().expect("a file").to_string_lossy().into_owned();
+                let target = format!("path = \"tests/{stem}.rs\"");
+                let module = format!("mod {stem};");
+                manifest.contains(&target)
+                    || files.iter().any(|file| text(file).lines().any(|line| line == module))
+            };
+            for file in &files {
+                assert!(
+                    !manifest.contains("autotests = false") || named(file),
+                    "{} runs never",
+                    file.display()
+                );
+            }
+        }
+    }
 
     #[test]
     fn finds_a_string_and_resolves_escapes() {

@@ -68,7 +68,7 @@ fn emulator(board: &Board, elf: &Path, words: &[String]) -> Outcome<Command> {
 /// The tests that run firmware. They are run by name only, because a plain `cargo test` has no firmware.
 pub(crate) fn test() -> Outcome {
     let mut tests = Command::new("cargo");
-    tests.args(TESTS).args(ALL).args(["--test", "qemu_*"]);
+    tests.args(TESTS).args(ALL).args(["--test", "qemu"]);
     hand_over(&mut tests)?;
     crate::process::run(tests.current_dir(project::root()))
 }

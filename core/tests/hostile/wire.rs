@@ -3,7 +3,7 @@
 use eclss_core::mode::Mode;
 use eclss_core::protocol::{Config, Link, Outgoing, Role};
 
-use crate::bytes::Dice;
+use super::bytes::Dice;
 
 /// What the wire did and the receiver found.
 #[derive(Debug, Default, PartialEq, Eq)]

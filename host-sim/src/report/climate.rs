@@ -22,7 +22,7 @@ use effectiveness::{AT_67_F, AT_75_F, Inlet, at_rest};
 const FLOWS_CFM: [f32; 9] = [50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0];
 /// How a coil is brought to rest: steps, step [s].
 const REST: (u32, f32) = (600, 1.0);
-const CONDENSER: &str = "cargo test --release -p eclss-core --test condenser -- --nocapture";
+const CONDENSER: &str = "cargo test -p eclss-core --profile checked --test all condenser:: -- --nocapture";
 
 const PATH: &str = "networks/thcs.toml";
 const TEXT: &str = include_str!("../../../networks/thcs.toml");

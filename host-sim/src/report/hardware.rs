@@ -10,7 +10,7 @@ use crate::plot::{Axis, Curve, Dash, Figure, Panel, Point};
 /// Longest delay of the table [ticks].
 const TICKS: u32 = 10;
 const COMMAND: &str =
-    "eclss-rt check NETWORK.toml --hil; cargo test -p eclss-host-sim --release --test coupling";
+    "eclss-rt check NETWORK.toml --hil; cargo test -p eclss-host-sim --profile checked --test all coupling::";
 
 /// Names, method, whether the hold goes on along a line, and the filter's time over the step.
 const WAYS: [(&str, Method, bool, f64); 5] = [

@@ -65,7 +65,7 @@ pub(super) fn write(page: &mut Html) -> Result<(), Failure> {
             &figure(name, &flows, &reference).svg(),
             &format!("Experiment {name} while the valve comes to its stop."),
             &format!(
-                "eclss-rt run {path}; the references: cargo test -p eclss-tests --release --test physical"
+                "eclss-rt run {path}; the references: cargo test -p eclss-tests --profile checked --test all physical::"
             ),
         );
     }

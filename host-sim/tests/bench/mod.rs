@@ -1,5 +1,4 @@
 //! What tests of the real-time loop share: jobs, and a controller at the other end of a link.
-#![allow(dead_code, reason = "every test takes what it needs of it")]
 
 pub(crate) mod console;
 

@@ -17,7 +17,6 @@ pub(crate) fn with_network<T>(text: &str, body: impl FnOnce(&Loaded, &mut Simula
 }
 
 /// Largest gap of a ledger over what passed: mass by the start's 71 kg, energy by what they held and carried, 20 MJ.
-#[allow(dead_code, reason = "not every test file asks for it")]
 pub(crate) fn assert_closed(simulator: &Simulator<'_>) {
     for ledger in simulator.ledgers() {
         let scale = if ledger.unit == "J" { 2e7 } else { 71.0 };

@@ -1,6 +1,5 @@
 //! A plant from `networks/hil.toml` in the one loop, on a board whose clock and link are in memory, with a controller
 //! at the other end of the link.
-#![allow(dead_code, reason = "every test takes what it needs of it")]
 
 use core::num::NonZeroU32;
 use core::pin::pin;
@@ -96,12 +95,7 @@ pub(crate) fn plant(loaded: Loaded) -> NetworkPlant {
     network::loaded(simulator, "hil", &[])
 }
 
-/// What both ends of the link agree on.
-pub(crate) fn config(role: Role) -> Config {
-    config_of(&loaded(), role)
-}
-
-/// The same for another network.
+/// Settings of the link that both ends share.
 pub(crate) fn config_of(loaded: &Loaded, role: Role) -> Config {
     let (network_id, process_id) = (loaded.network().id(), loaded.process.id());
     let (inputs, outputs) = loaded.process.with_image(|image| link_counts(&image));

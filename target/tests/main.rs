@@ -1,0 +1,5 @@
+//! Tests of the one loop on the host, in one program: linking is what takes long.
+
+mod bench;
+mod coupled;
+mod orders;
