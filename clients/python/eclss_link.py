@@ -361,9 +361,8 @@ class Link:
             return
         self.counters.handshake += 1
         if self._session is not None:
-            # Not to one that has spoken in this session: it started anew with the same number.
-            asks = self._peer == hello["nonce"] and hello["echo"] != self.nonce
-            self._answer = asks and not self._newest
+            # It may not know our number yet. One that has spoken in this session started anew with the same number.
+            self._answer = self._peer == hello["nonce"] and not self._newest
             return
         self._peer = hello["nonce"]
         if hello["echo"] == self.nonce:

@@ -15,7 +15,8 @@ DOCUMENT = (pathlib.Path(__file__).parents[2] / "docs" / "protocol.md").read_tex
 
 
 def documented(name: str) -> bytes:
-    return bytes.fromhex(re.search(rf"^{name} +([0-9a-f ]+)$", DOCUMENT, re.M).group(1))
+    [shown] = re.findall(rf"^{name} +([0-9a-f ]+)$", DOCUMENT, re.M)
+    return bytes.fromhex(shown)
 
 
 class Bytes(unittest.TestCase):
@@ -93,6 +94,15 @@ class Sessions(unittest.TestCase):
     def hellos(self, sent):
         packets = [e.read_packet(frame) for frame in sent.split(b"\0") if frame]
         return sum(packet.kind == e.HELLO for packet in packets)
+
+    def test_a_client_that_only_answers_tells_the_plant_its_number(self):
+        link = e.Link(9, 42, 1000, 1, 2, nonce=7)
+        link.feed(self.plant(5, 7), 0)
+        self.assertTrue(link.connected)
+        self.assertEqual(link.send_tick(0, 0, None), b"", "nothing has been asked")
+        link.feed(self.plant(5, 7), 0)
+        [frame] = [frame for frame in link.send_tick(1, 1000, None).split(b"\0") if frame]
+        self.assertEqual((e.read_packet(frame).kind, e.read_packet(frame).body["echo"]), (e.HELLO, 5))
 
     def test_another_network_is_refused_by_name(self):
         link = e.Link(10, 42, 1000, 1, 2, nonce=7)

@@ -78,11 +78,11 @@ impl Link {
         }
         self.counters.handshake = self.counters.handshake.saturating_add(1);
         if self.session.is_some() {
-            // One from before we agreed, or a peer that started anew, for whom this session must run dry first. A
-            // peer that has spoken in it knows our number: if it asks for that again it has started anew with the
-            // same number of its own, and an answer would join it to the old session.
-            let asks = self.peer_nonce == Some(hello.nonce) && hello.echo != self.nonce;
-            self.answer = asks && self.window == Window::default();
+            // Until something of the session has come, the peer may not know our number: a hello is all that tells it,
+            // where each end speaks only when spoken to. A peer that has spoken in the session knows our number: if
+            // it greets again it has started anew with the same number of its own, and an answer would join it to
+            // the old session, which must run dry first.
+            self.answer = self.peer_nonce == Some(hello.nonce) && self.window == Window::default();
             return;
         }
         self.peer_nonce = Some(hello.nonce);

@@ -77,6 +77,45 @@ fn two_ends_find_each_other_and_exchange_data_every_tick() {
     }
 }
 
+/// A controller that sends values for nothing but values: whoever hears first, both ends connect, and a frame that is
+/// lost on the way delays that by a hello.
+#[test]
+fn an_end_that_only_answers_connects() {
+    for lost_of_plants in 0..4 {
+        for lost_of_controllers in 0..4 {
+            let mut wire = Wire::new();
+            let [plant, controller] = &mut wire.ends;
+            let mut drops = [lost_of_plants, lost_of_controllers];
+            let mut arrives = |end: usize| {
+                let lost = drops[end] > 0;
+                drops[end] -= i32::from(lost);
+                !lost
+            };
+            let mut asked = false;
+            for tick in 0..40 {
+                plant.send_tick(tick, 1_000 * tick, &Outgoing::default());
+                if !plant.outgoing().is_empty() && arrives(0) {
+                    controller.feed(plant.outgoing(), 0);
+                }
+                plant.sent(usize::MAX);
+                asked |= controller.take_data().is_some();
+                if core::mem::take(&mut asked) {
+                    controller.send_tick(tick, 1_000 * tick, &Outgoing::default());
+                } else {
+                    controller.send_quiet_tick(tick, 1_000 * tick);
+                }
+                if !controller.outgoing().is_empty() && arrives(1) {
+                    plant.feed(controller.outgoing(), 0);
+                }
+                controller.sent(usize::MAX);
+            }
+            let lost = (lost_of_plants, lost_of_controllers);
+            assert!(plant.is_connected() && controller.is_connected(), "lost {lost:?}");
+            assert_eq!((plant.silence_ticks(), plant.counters().sessions), (0, 1), "lost {lost:?}");
+        }
+    }
+}
+
 #[test]
 fn another_network_image_step_or_role_is_refused_and_says_why() {
     let controller = Config { role: Role::Controller, ..CONFIG };
