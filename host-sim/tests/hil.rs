@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use crate::bench::{config, controller, job, network, place, settled};
 use eclss_core::mode::Mode;
-use eclss_core::protocol::{Link as Session, Outgoing, Role};
+use eclss_core::protocol::{Config, Link as Session, Outgoing, Role};
 use eclss_host_sim::hil::board::Stall;
 use eclss_host_sim::hil::pace::Pace;
 use eclss_host_sim::hil::recorder::Trigger;
@@ -210,10 +210,65 @@ fn a_flood_delays_nothing() {
     let link = report.link.as_ref().unwrap();
     assert_eq!(report.ticks, 500);
     assert!(sent.iter().all(|sent| *sent > 1_000), "{sent:?}");
-    assert!(link.bytes.bytes_in <= 500 * 256, "{link:?}");
+    assert!(link.bytes.bytes_in <= 500 * 4_096, "{link:?}");
     assert!(link.damaged + link.bad_crc > 100 && link.accepted == 0 && !link.connected, "{link:?}");
     assert_eq!(report.mode, "READY");
     assert!(report.tick.p50_us < 1_000.0, "{:?}", report.tick);
+}
+
+/// A controller that sends some two hundred frames a tick, more than a tick looks at: the plant runs on what it said last. Each value
+/// tells which of the plant's ticks had come when it was sent.
+#[test]
+fn a_controller_that_is_too_fast_is_heard_as_it_speaks_now() {
+    const STEP_US: u32 = 10_000;
+    let source = network("hil.toml");
+    let path = place("fast.sock");
+    let address = |listens| Address::Unix { path: path.clone(), listens };
+    let start = Some(settled(&source, STEP_US));
+    let job = Job { link: Some(address(true)), start, arm: true, ..job(&source, STEP_US, 600) };
+    let job = recorded(job, "fast", 1, Vec::new());
+    // Two hundred of its ticks are but one of the plant's.
+    let config = Config { silent_ticks: 100_000, ..config(&source, Role::Controller, STEP_US) };
+    let opening = |tick: u64| 0.6 + 0.003 * (tick % 200).abs_diff(100) as f32;
+    let (ends, address) = (Arc::new(AtomicBool::new(false)), address(false));
+    let other = {
+        let ends = Arc::clone(&ends);
+        std::thread::spawn(move || {
+            let (mut link, _keeper) = open(&address).unwrap();
+            let mut session = Session::new(config, 5);
+            let mut bytes = vec![0; 2_048];
+            for tick in 0.. {
+                if ends.load(Ordering::Relaxed) {
+                    return;
+                }
+                let length = link.read(&mut bytes);
+                session.feed(&bytes[..length], tick);
+                let values = [opening(session.newest().tick), 1.0];
+                let outgoing = Outgoing { mode: Mode::Run, values: &values, ..Outgoing::default() };
+                for _ in 0..4 {
+                    session.send_tick(tick, tick, &outgoing);
+                    let taken = link.write(session.outgoing());
+                    session.sent(taken);
+                }
+                std::thread::sleep(Duration::from_micros(100));
+            }
+        })
+    };
+    let report = run(&source, &job, &mut sink()).unwrap();
+    ends.store(true, Ordering::Relaxed);
+    other.join().unwrap();
+    let link = report.link.as_ref().unwrap();
+    assert!(link.bytes.bytes_skipped > 0 && link.bad_crc + link.damaged == 0, "{link:?}");
+    let csv = std::fs::read_to_string(job.record.as_ref().unwrap().folder.join("record.csv")).unwrap();
+    let (ticks, openings) = (numbers(&csv, "tick"), numbers(&csv, "valve.opening"));
+    let run = column(&csv, "mode").iter().position(|mode| mode == "RUN").unwrap_or_else(|| panic!("{report:?}"));
+    let rows = ticks.iter().zip(&openings).skip(run + 250);
+    let behind =
+        |tick: u64, value: f64| (0..200).find(|ago| (f64::from(opening(tick - ago)) - value).abs() < 1e-4);
+    let mut behind: Vec<u64> =
+        rows.map(|(tick, value)| behind(*tick as u64, *value).unwrap_or(200)).collect();
+    behind.sort_unstable();
+    assert!(behind.len() > 100 && behind[behind.len() / 2] <= 4, "{behind:?}");
 }
 
 /// Two ends over datagrams: data both ways and orders, while a stranger whose packets would be sound is not heard.

@@ -33,6 +33,8 @@ pub struct StackUse {
 pub trait Board {
     /// Rate of [`Board::counter`] \[Hz\].
     const COUNTER_HZ: u32;
+    /// Bytes of the link that are looked at in a tick, where its session needs no more to keep step with its peer.
+    const LINK_BYTES: usize = 256;
 
     /// The board's name, as `cargo xtask` knows it.
     fn name(&self) -> &'static str;
@@ -50,6 +52,9 @@ pub trait Board {
     fn read_inputs(&mut self, converters: &mut Converters);
     /// Hands over one raw count per converter, where there is one; `armed` says whether the plant drives them.
     fn write_outputs(&mut self, converters: &Converters, armed: bool);
+    /// Leaves out what has waited longest at the link, by whole frames, until at most `keep` bytes wait. A board whose
+    /// link is no faster than its loop has nothing to leave out.
+    fn skip_link(&mut self, _keep: usize) {}
     /// Takes what has come over the link, as much as `bytes` holds; returns how much. Without a link, nothing.
     fn read_link(&mut self, _bytes: &mut [u8]) -> usize {
         0

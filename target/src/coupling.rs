@@ -240,11 +240,12 @@ impl<'a> Coupling<'a> {
     }
 }
 
-/// Hands the link what has come for it, at most [`CHUNK`] bytes or what it needs to keep step with its peer: what
-/// comes faster waits outside, so that no flood delays a tick.
+/// Hands the link what has come for it, at most [`Board::LINK_BYTES`] or what it needs to keep step with its peer, so that
+/// no flood delays a tick. Where more waits, the newest is what counts.
 pub(crate) fn read_link<B: Board>(board: &mut B, link: &mut Link, now_us: u64) {
     let mut bytes = [0; CHUNK];
-    let mut left = link.bytes_a_tick().max(CHUNK);
+    let mut left = link.bytes_a_tick().max(B::LINK_BYTES);
+    board.skip_link(left);
     while left > 0 {
         let Some(place) = bytes.get_mut(..left.min(CHUNK)) else { return };
         let came = board.read_link(place).min(place.len());

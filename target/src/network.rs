@@ -116,6 +116,10 @@ pub fn link(plant: &NetworkPlant, image: &Image<'_>, role: Role, nonce: u32) -> 
         outputs,
         // A session outlives the silence that leads to SAFE.
         silent_ticks: image.safe_after_ticks.saturating_mul(10),
+        stale_us: match role {
+            Role::Plant => u64::from(image.safe_after_ticks) * u64::from(plant.settings().step_us),
+            Role::Controller => u64::MAX,
+        },
         ..Config::default()
     };
     (inputs + outputs > 0).then(|| Link::new(config, nonce))

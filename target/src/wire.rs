@@ -26,7 +26,9 @@ const RETRY: Duration = Duration::from_millis(50);
 /// Largest datagram that is taken whole [bytes].
 const DATAGRAM: usize = 2_048;
 /// Most datagrams that one call looks at, so that no flood of empty ones makes it long.
-const DATAGRAMS: usize = 16;
+const DATAGRAMS: usize = 64;
+/// Room for what waits [bytes]: what a tick can look through for the newest.
+const BACKLOG: usize = 65_536;
 
 /// What a link did with bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -37,6 +39,8 @@ pub struct LinkCounts {
     pub bytes_out: u64,
     /// Bytes that nobody was there to take.
     pub bytes_unsent: u64,
+    /// Bytes that had waited too long and were left out for newer ones.
+    pub bytes_skipped: u64,
     /// How often the other side went away.
     pub lost: u64,
     /// How often there was another side again, the first time included.
@@ -51,7 +55,7 @@ pub struct Link {
     worn: Producer<Wire>,
     wanted: Arc<AtomicBool>,
     /// What has come and has not been asked for.
-    came: [u8; DATAGRAM],
+    came: Vec<u8>,
     came_from: usize,
     came_to: usize,
     counts: LinkCounts,
@@ -92,7 +96,7 @@ pub fn open(address: &Address) -> io::Result<(Link, Keeper)> {
         fresh,
         worn,
         wanted,
-        came: [0; DATAGRAM],
+        came: vec![0; BACKLOG],
         came_from: 0,
         came_to: 0,
         counts: LinkCounts::default(),
@@ -128,7 +132,7 @@ impl Link {
             fresh,
             worn,
             wanted: Arc::new(AtomicBool::new(false)),
-            came: [0; DATAGRAM],
+            came: vec![0; BACKLOG],
             came_from: 0,
             came_to: 0,
             counts: LinkCounts { opened: 1, ..LinkCounts::default() },
@@ -156,15 +160,51 @@ impl Link {
         length
     }
 
-    /// Takes the next datagram or part of the stream in; returns whether there was one.
+    /// Takes the next datagram or part of the stream in, behind what waits; returns whether there was one.
     fn refill(&mut self) -> bool {
         let Some(wire) = &mut self.wire else { return false };
-        let Ok(length) = wire.read(&mut self.came) else {
+        if self.came_from == self.came_to {
+            (self.came_from, self.came_to) = (0, 0);
+        }
+        let place = self.came.get_mut(self.came_to..).unwrap_or(&mut []);
+        if place.len() < DATAGRAM {
+            return false;
+        }
+        let Ok(length) = wire.read(place) else {
             self.lose();
             return false;
         };
-        (self.came_from, self.came_to) = (0, length);
+        self.came_to += length;
         length > 0
+    }
+
+    /// Takes in what waits and leaves out the oldest whole frames until at most `keep` bytes are left to be read: of a
+    /// side that sends faster than it is read, the newest counts. The frame that has been read in part stays.
+    pub fn skip(&mut self, keep: usize) {
+        self.renew();
+        self.came.copy_within(self.came_from..self.came_to, 0);
+        (self.came_from, self.came_to) = (0, self.came_to - self.came_from);
+        for _ in 0..DATAGRAMS {
+            if !self.refill() {
+                break;
+            }
+        }
+        let came = self.came.get(..self.came_to).unwrap_or(&[]);
+        if came.len() <= keep {
+            return;
+        }
+        let end_after = |at: usize| {
+            let rest = came.get(at..).unwrap_or(&[]);
+            rest.iter().position(|byte| *byte == 0).map_or(came.len(), |zero| at + zero + 1)
+        };
+        // A frame longer than half of what is kept is none of the session's.
+        let head = Some(end_after(0)).filter(|head| 2 * head <= keep).unwrap_or(0);
+        let tail = end_after(came.len() - (keep - head));
+        if tail > head {
+            self.counts.bytes_skipped += (tail - head) as u64;
+            self.came.copy_within(tail..self.came_to, head);
+            self.came_to -= tail - head;
+        }
     }
 
     /// Hands over bytes and returns how many were taken; the rest is to be offered again. Where there is no other

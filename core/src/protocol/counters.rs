@@ -8,6 +8,8 @@ use super::frame::BadFrame;
 pub struct Counters {
     /// Packets of the session that were taken.
     pub accepted: u32,
+    /// Those of them whose data were too old to be used.
+    pub stale: u32,
     /// Packets of the session that had come before.
     pub duplicate: u32,
     /// Packets of the session that came after a newer one; they are not taken.

@@ -37,6 +37,8 @@ pub struct Config {
     pub silent_ticks: u32,
     /// Ticks after which a command that was not answered is sent again.
     pub resend_ticks: u32,
+    /// Age beyond which data are not used: time since this end sent the newest packet that they echo \[µs\].
+    pub stale_us: u64,
 }
 
 impl Default for Config {
@@ -51,6 +53,7 @@ impl Default for Config {
             hello_ticks: 20,
             silent_ticks: 200,
             resend_ticks: 20,
+            stale_us: u64::MAX,
         }
     }
 }

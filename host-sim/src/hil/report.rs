@@ -121,6 +121,8 @@ pub struct LinkFigures {
     pub sessions: u32,
     /// Frames that were taken.
     pub accepted: u32,
+    /// Those of them whose values were too old to be used.
+    pub stale: u32,
     /// Frames that never came.
     pub lost: u32,
     /// Frames that came late or out of order.
@@ -152,6 +154,7 @@ impl LinkFigures {
             connected,
             sessions: counters.sessions,
             accepted: counters.accepted,
+            stale: counters.stale,
             lost: counters.lost,
             late: counters.late.saturating_add(counters.ancient),
             duplicate: counters.duplicate,

@@ -116,6 +116,33 @@ fn a_side_that_does_not_keep_up_makes_nobody_wait() {
     assert!(all == sent);
 }
 
+/// Of what waits, the newest whole frames are left, and the frame that was read in part is read to its end.
+#[test]
+fn the_newest_frames_are_kept() {
+    let (mut link, mut other) = pair().unwrap();
+    let frame = |number: u32| {
+        [[number as u8 | 1; 30].as_slice(), &number.to_le_bytes().map(|byte| byte | 1), &[0]].concat()
+    };
+    let sent: Vec<Vec<u8>> = (0..1_500).map(|number| frame(2 * number)).collect();
+    assert_eq!(other.write(&sent.concat()), 1_500 * 35);
+    let mut buffer = [0; 256];
+    assert_eq!(link.read(&mut buffer[..20]), 20);
+    link.skip(200);
+    let length = link.read(&mut buffer);
+    assert_eq!(buffer[..15], sent[0][20..], "the frame that had begun");
+    let kept: Vec<&[u8]> = buffer[15..length].split_inclusive(|byte| *byte == 0).collect();
+    assert_eq!(kept, &sent[1_500 - kept.len()..]);
+    assert_eq!(kept.len(), 5, "as many as fit");
+    assert_eq!(link.counts().bytes_skipped, (1_500 - 1 - 5) * 35);
+    // What ends no frame is left out as a whole, and what follows it comes through.
+    assert_eq!(other.write(&[7; 1_000]), 1_000);
+    link.skip(200);
+    assert_eq!(link.read(&mut buffer), 0);
+    other.write(&[&[7, 0], &sent[3][..]].concat());
+    link.skip(200);
+    assert_eq!(link.read(&mut buffer), 37);
+}
+
 /// Datagrams come out as one stream of bytes, whatever is asked for at a time.
 #[test]
 fn datagrams_larger_than_a_call_are_not_cut() {

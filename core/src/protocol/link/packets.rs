@@ -120,6 +120,12 @@ impl Link {
                 if data.echo.sequence != 0 {
                     self.clock.exchange(data.echo.time_us, packet.time_us, data.echo.age_us, now_us);
                 }
+                // What echoes nothing was made without any knowledge of this end, so that its age is not known.
+                let answers = data.echo.sequence != 0 || self.config.stale_us == u64::MAX;
+                if !answers || now_us.saturating_sub(data.echo.time_us) > self.config.stale_us {
+                    self.counters.stale = self.counters.stale.saturating_add(1);
+                    return;
+                }
                 let Packet { tick, sequence, time_us, .. } = packet;
                 self.received = Received { data, tick, sequence, time_us, arrived_us: now_us };
                 self.fresh = true;

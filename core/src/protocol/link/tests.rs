@@ -13,6 +13,7 @@ const CONFIG: Config = Config {
     hello_ticks: 5,
     silent_ticks: 20,
     resend_ticks: 4,
+    stale_us: u64::MAX,
 };
 
 /// Two ends and what is under way between them.
@@ -114,6 +115,36 @@ fn an_end_that_only_answers_connects() {
             assert_eq!((plant.silence_ticks(), plant.counters().sessions), (0, 1), "lost {lost:?}");
         }
     }
+}
+
+/// Frames that wait longer and longer in a queue, as those of a controller that sends faster than the plant reads: none
+/// is used that answers what the plant sent too long ago, and the plant knows it as silence.
+#[test]
+fn data_that_are_too_old_are_silence() {
+    let mut wire = Wire::new();
+    wire.ends[0].config.stale_us = 10_000;
+    wire.run(20);
+    assert_eq!(wire.ends[0].silence_ticks(), 0);
+    let before = wire.ends[0].counters().stale;
+    assert!(before <= 2, "only what was sent before anything had come: {before}");
+    let mut queue = std::collections::VecDeque::new();
+    for tick in 1..=60_u32 {
+        wire.tick(|end, bytes| {
+            if end == 0 {
+                // Twice as many come as are taken.
+                queue.push_back(core::mem::take(bytes));
+                if tick % 2 == 0 {
+                    *bytes = queue.pop_front().unwrap();
+                }
+            }
+        });
+    }
+    let plant = &wire.ends[0];
+    let [age, used] = [plant.silence_ticks(), plant.newest().data.echo.time_us as u32 / 1_000];
+    // What came in tick 20 + n was sent in tick 20 + n/2.
+    assert!((26..=30).contains(&used), "echo of tick {used}");
+    assert!((40..=44).contains(&age), "{age} ticks of silence");
+    assert!(plant.counters().stale - before >= 18 && plant.is_connected());
 }
 
 #[test]

@@ -142,9 +142,11 @@ pub(in crate::hil) fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io:
     writeln!(out, "link            {}, {state}, {} sessions", link.address, link.sessions)?;
     writeln!(
         out,
-        "frames          {} taken, {} lost, {} late or out of order, {} twice, {} bad CRC, {} otherwise damaged, \
+        "frames          {} taken, {} of them too old, {} bytes left out for newer ones, {} lost, {} late or out of order, {} twice, {} bad CRC, {} otherwise damaged, \
          {} foreign; {} of ours unsent",
         link.accepted,
+        link.stale,
+        link.bytes.bytes_skipped,
         link.lost,
         link.late,
         link.duplicate,

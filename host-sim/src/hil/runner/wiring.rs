@@ -97,9 +97,14 @@ pub(super) fn with_image<T>(source: &Source, probe: Option<&Probe>, take: impl F
 /// What both ends of the link agree on.
 pub(super) fn config(image: &Image<'_>, network_id: u64, step_us: u32, role: Role) -> Config {
     let (inputs, outputs) = link_counts(image);
-    let config = Config { role, network_id, process_id: image.id(), step_us, inputs, outputs, ..Config::default() };
+    let config =
+        Config { role, network_id, process_id: image.id(), step_us, inputs, outputs, ..Config::default() };
     match role {
-        Role::Plant => Config { silent_ticks: image.safe_after_ticks.saturating_mul(10), ..config },
+        Role::Plant => Config {
+            silent_ticks: image.safe_after_ticks.saturating_mul(10),
+            stale_us: u64::from(image.safe_after_ticks) * u64::from(step_us),
+            ..config
+        },
         Role::Controller => config,
     }
 }
