@@ -80,6 +80,12 @@ pub(crate) struct HilArgs {
     /// Arm hardware as soon as inputs are good and outputs have arrived.
     #[arg(long)]
     pub(crate) arm: bool,
+    /// Run a coupling that `check --hil` refuses as unstable.
+    #[arg(long)]
+    pub(crate) accept_margin: bool,
+    /// Ticks of delay that link and hardware add to the coupling's loops.
+    #[arg(long, value_name = "TICKS", default_value_t = 0)]
+    pub(crate) extra_delay: u32,
     /// Take orders from the standard input: arm, hold, resume, disarm, acknowledge, restart, stop, quit, pause,
     /// step [N], go, speed X.
     #[arg(long)]

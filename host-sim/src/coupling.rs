@@ -10,7 +10,7 @@ mod delay;
 pub use delay::{Loop, mean_over_step};
 
 use eclss_core::element::Element as _;
-use eclss_core::process::{Hold, Order};
+use eclss_core::process::{Hold, InputChannel, Order};
 use eclss_core::{Method, NodeKind, Settings, StdElement};
 use eclss_network_file::{Loaded, Quantity};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -82,6 +82,7 @@ pub fn examine(loaded: &Loaded, settings: Settings, extra_ticks: u32) -> Couplin
         let filter = f64::from(channel.filter_s) / step_s;
         let looped = Loop { ticks: 1 + extra_ticks, filter, mean };
         let measured = measured_line(loaded, channel.slot as usize);
+        coupling.warnings.extend(sudden(&entry.name, &channel, step_s));
         let mut pair = Pair {
             input: entry.name.clone(),
             outputs: Vec::new(),
@@ -138,6 +139,21 @@ pub fn examine(loaded: &Loaded, settings: Settings, extra_ticks: u32) -> Couplin
     }
     remarks(loaded, settings.method, &lines, &mut coupling);
     coupling
+}
+
+/// Warns of an input that a sudden command loses: what moves faster than the channel is rejected until enough time has
+/// passed, and rejected for longer than `stale_ticks` it is lost.
+fn sudden(name: &str, channel: &InputChannel<'_>, step_s: f64) -> Option<String> {
+    let believed = f64::from(channel.max_rate_per_s) * step_s * (f64::from(channel.stale_ticks) + 1.0);
+    let consequence = if channel.essential { "leads to SAFE" } else { "gives it its safe value" };
+    (believed < f64::from(channel.max) - f64::from(channel.min)).then(|| {
+        format!(
+            "`{name}`: a sudden change by more than {believed:.4} is rejected as too fast for longer than \
+             `stale_ticks` = {}, and the input that is lost {consequence}; command it no faster than \
+             `max_rate_per_s` = {}",
+            channel.stale_ticks, channel.max_rate_per_s
+        )
+    })
 }
 
 fn judge(coupling: &mut Coupling, what: &str, margin: f64) {

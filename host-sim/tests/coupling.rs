@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use eclss_core::mode::Mode;
-use eclss_core::process::{InputState, Process};
+use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::{Health, Method, Settings, Simulator};
 use eclss_host_sim::{HostBuffers, coupling};
 use eclss_network_file::{Loaded, parse};
@@ -51,6 +51,33 @@ fn network(slopes: &[f64], channel: &str) -> Loaded {
         );
     }
     parse(&text, "rig.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Jumps of every size: exactly those that are warned of lose the input.
+#[test]
+fn a_jump_is_lost_where_the_check_says_so() {
+    let settings = Settings { method: Method::Adaptive, step_us: STEP_US };
+    let mut lost = 0;
+    for (max_rate_per_s, stale_ticks) in [(100.0, 10), (100.0, 30), (1_000.0, 10), (900.0, 9), (50.0, 300)] {
+        let channel = format!(
+            "max_rate_per_s = {max_rate_per_s:?}\nstale_ticks = {stale_ticks}\nmin = -5.0\nmax = 5.0"
+        );
+        let loaded = network(&[1e-9], &channel);
+        let warnings = coupling::examine(&loaded, settings, 0).warnings;
+        let warned = warnings.iter().any(|warning| warning.contains("a sudden change by more than"));
+        let is_lost = loaded.process.with_image(|image| {
+            let mut states = ([InputState::new(0.0)], [OutputState::new(0.0); 2]);
+            let mut process = Process::new(image, 1e-3, &mut states.0, &mut states.1).unwrap();
+            process.ingest(&[Some(-5.0)], Mode::Run.conduct());
+            (0..1_000).any(|_| {
+                process.ingest(&[Some(5.0)], Mode::Run.conduct());
+                process.lost_input().is_some()
+            })
+        });
+        assert_eq!(warned, is_lost, "{max_rate_per_s} per s, {stale_ticks} ticks: {warnings:?}");
+        lost += u32::from(is_lost);
+    }
+    assert_eq!(lost, 3, "both kinds are among them");
 }
 
 /// Pressures of all nodes.

@@ -261,7 +261,8 @@ fn a_controller_that_is_too_fast_is_heard_as_it_speaks_now() {
     assert!(link.bytes.bytes_skipped > 0 && link.bad_crc + link.damaged == 0, "{link:?}");
     let csv = std::fs::read_to_string(job.record.as_ref().unwrap().folder.join("record.csv")).unwrap();
     let (ticks, openings) = (numbers(&csv, "tick"), numbers(&csv, "valve.opening"));
-    let run = column(&csv, "mode").iter().position(|mode| mode == "RUN").unwrap_or_else(|| panic!("{report:?}"));
+    let run =
+        column(&csv, "mode").iter().position(|mode| mode == "RUN").unwrap_or_else(|| panic!("{report:?}"));
     let rows = ticks.iter().zip(&openings).skip(run + 250);
     let behind =
         |tick: u64, value: f64| (0..200).find(|ago| (f64::from(opening(tick - ago)) - value).abs() < 1e-4);

@@ -50,6 +50,35 @@ fn hardware(socket: PathBuf) {
     });
 }
 
+/// What `check --hil` refuses is not coupled, unless somebody accepts it by name; both say so before anything is armed.
+#[test]
+fn an_unstable_coupling_is_not_started() {
+    let file = place("tight.toml");
+    let text = std::fs::read_to_string("../networks/hil.toml").unwrap();
+    let rig = "\n[[node]]\nid = \"box\"\nkind = \"cabin\"\nvolume_m3 = 0.005\npressure_pa = 101325.0\ntemperature_k = \
+               295.15\n\n[[line]]\nid = \"hardware\"\nfrom = \"cabin\"\nto = \"box\"\n\n[[line.element]]\nid = \
+               \"rig\"\nkind = \"measured\"\nlargest_flow_kg_s = 0.5\nslope_kg_s_pa = 0.01\n\n[[channel]]\nbind = \
+               \"rig.measured_flow\"\ndirection = \"in\"\nsafe_value = 0.0\n\n[[channel]]\nbind = \
+               \"box.pressure\"\ndirection = \"out\"\nmin = -1000.0\nmax = 1000.0\nsafe_value = 0.0\n";
+    std::fs::write(&file, text + rig).unwrap();
+    let (file, socket) = (file.to_str().unwrap(), place("tight.sock"));
+    let link = format!("unix-listen:{}", socket.display());
+    let run = |words: &[&str]| {
+        let mut console = Console::start(words);
+        let status = console.end(Duration::from_secs(30));
+        (status.code(), console.said.join("\n"))
+    };
+    let (code, said) = run(&["check", file, "--hil"]);
+    assert!(code == Some(1) && said.contains("unstable, margin"), "{said}");
+    assert!(said.contains("`valve.opening`: a sudden change by more than 0.1240 is"), "{said}");
+    let hil = ["hil", "--network", file, "--link", &link, "--duration", "200ms"];
+    let (code, said) = run(&hil);
+    assert!(code == Some(2) && said.contains("unstable, margin") && !said.contains("INIT"), "{said}");
+    assert!(said.contains("`valve.opening`: a sudden change by more than 0.1240 is"), "{said}");
+    let (code, said) = run(&[&hil[..], &["--accept-margin"]].concat());
+    assert!(code == Some(0) && said.contains("accepted: ") && said.contains("INIT"), "{said}");
+}
+
 /// After the operator has disarmed or stopped, hardware is armed by nobody but the operator.
 #[test]
 fn arming_is_once_and_the_operator_has_the_last_word() {

@@ -7,6 +7,7 @@ use eclss_core::Settings;
 use eclss_target::wire::Address;
 
 use crate::args::{HilArgs, ReplayArgs, WatchArgs};
+use crate::coupling;
 use crate::hil::operator;
 use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
@@ -21,6 +22,9 @@ use crate::{Duration, Failure, Source};
 pub(super) fn run(args: &HilArgs, out: &mut dyn Write) -> Result<(), Failure> {
     let source = Source::file(&args.network)?;
     let job = job(args, &source)?;
+    if job.link.is_some() {
+        judge_coupling(args, &source, job.settings, out)?;
+    }
     if job.shows {
         let link = job.link.as_ref().map_or("none".to_owned(), ToString::to_string);
         writeln!(out, "network {}, link {link}", source.name)?;
@@ -35,6 +39,32 @@ pub(super) fn run(args: &HilArgs, out: &mut dyn Write) -> Result<(), Failure> {
         write_report(out, &report)?;
     }
     if report.cause.is_some() { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// Says what `check --hil` says of the coupling, and refuses what it refuses unless that was accepted.
+fn judge_coupling(
+    args: &HilArgs,
+    source: &Source,
+    settings: Settings,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let coupling = coupling::examine(&source.loaded, settings, args.extra_delay);
+    if !args.json {
+        for warning in &coupling.warnings {
+            writeln!(out, "warning: {warning}")?;
+        }
+    }
+    if coupling.refusals.is_empty() {
+        return Ok(());
+    }
+    let refusals = coupling.refusals.join("\n");
+    if args.accept_margin {
+        if !args.json {
+            writeln!(out, "accepted: {refusals}")?;
+        }
+        return Ok(());
+    }
+    Err(Failure::BadInput(format!("{}: {refusals}\nrun it all the same with --accept-margin", source.name)))
 }
 
 fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
