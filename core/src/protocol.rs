@@ -30,7 +30,7 @@ mod link;
 mod message;
 mod window;
 
-pub use clock::{Clock, Estimate};
+pub use clock::{Clock, Drift, Estimate};
 pub use counters::Counters;
 pub use frame::{BadFrame, FRAME_BYTES, Framer, PAYLOAD_BYTES, encode};
 pub use link::{Config, Link, OUTGOING_BYTES, Outgoing, Received};

@@ -10,7 +10,7 @@ const MMHG = 133.322387415; // Pa
  * NASA-STD-3001 vol. 2, quoted second hand. Dew point and oxygen: of the ISS's class, unverified.
  */
 const QUANTITIES = [
-  ["pressure", "Pressure", pressure, [34.5e3, 103e3]],
+  ["pressure", "Total pressure, absolute", pressure, [34.5e3, 103e3]],
   ["temperature", "Temperature", temperature, [291.15, 300.15]],
   ["dew_point", "Dew point", temperature, [277.55, 288.75]],
   ["relative_humidity", "Relative humidity", ratio, [0.25, 0.75]],
@@ -49,7 +49,7 @@ export class Air {
 
   lines() {
     const lines = [...QUANTITIES];
-    if (this.condensate.length) lines.push(["condensate", "Condensate", trickle, [null, null]]);
+    if (this.condensate.length) lines.push(["condensate", "Condensate of all condensers", trickle, [null, null]]);
     return lines;
   }
 

@@ -44,7 +44,7 @@ export class Charts {
       chart.draw(history);
     };
     set("flow", "Mass flow", flow().unit, flows);
-    set("pressure", `Pressure over ${write(network.reference_pa, pressure())}`, gauge().unit, pressures);
+    set("pressure", `Pressure over ${write(network.reference_pa, pressure())}`, `${gauge().unit} gauge`, pressures);
     for (const [what, title, unit] of this.nodes) {
       const { of, unit: name } = unit();
       const published = nodes.filter((node) => index.has(`${node.id}.${what}`));

@@ -66,11 +66,14 @@ const TRICKLES = new Set([...PARTS, "liquid", "condensate"]);
 /** What is published for a quantity that was typed in the unit shown. */
 export const back = (shown, unit) => (shown - unit.of(0)) / (unit.of(1) - unit.of(0));
 
+/** A unit of pressure with the word that says from where it counts. */
+const named = (unit, from) => ({ ...unit, unit: `${unit.unit} ${from}`, large: unit.large && named(unit.large, from) });
+
 /** The unit for a published value, by its id and SI unit. */
 export function unitFor(id, unit, at) {
   const what = id.slice(id.lastIndexOf(".") + 1);
   if (unit === "kg/s") return TRICKLES.has(what) ? trickle() : flow(what === "coolant_flow" ? null : at);
-  if (unit === "Pa") return what === "pressure" ? pressure() : what === "setpoint" ? partial() : PARTS.has(what) ? partial() : gauge();
+  if (unit === "Pa") return what === "pressure" ? named(pressure(), "abs") : what === "setpoint" ? partial() : PARTS.has(what) ? partial() : named(gauge(), "gauge");
   if (unit === "K") return what === "sensor_bias" ? warmth() : temperature();
   if (unit === "kg") return mass();
   if (unit === "m³/s") return stream();

@@ -266,6 +266,9 @@ pub(crate) struct StabilityArgs {
     /// Step, such as 1ms; the file's when absent.
     #[arg(long, value_name = "TIME")]
     pub(crate) step: Option<Duration>,
+    /// Method whose matrix is examined, euler or relaxation; the file's when absent.
+    #[arg(long, value_name = "M", value_parser = method)]
+    pub(crate) method: Option<Method>,
     /// Line; all lines when absent.
     #[arg(long, value_name = "ID")]
     pub(crate) line: Option<String>,

@@ -51,7 +51,8 @@ fn candidates(source: &Source, line: usize) -> Vec<Candidate> {
     let mut list = Vec::new();
     for (place, segment) in (0u32..).zip(network.segments_of(description)) {
         let specs = (0..).map_while(|index| segment.element.input_spec(index));
-        for (slot, spec) in (segment.first_input as usize..).zip(specs) {
+        // A fault's code has no range to sweep: what lies between two codes is nothing.
+        for (slot, spec) in (segment.first_input as usize..).zip(specs).filter(|(_, spec)| !spec.is_code()) {
             list.push(Candidate { slot, spec, on_flow_element: place == description.flow_segment });
         }
     }
@@ -97,4 +98,33 @@ pub fn sweep_line(
     })?;
     let moving = Moving { name: name(chosen).to_owned(), unit: chosen.spec.unit.to_owned(), factor: 1.0 };
     Ok(Some(LineStability { line: id, moving, spectrum }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Valves that act by themselves take a fault's code and nothing else: there is nothing to sweep.
+    #[test]
+    fn no_code_of_a_fault_is_swept() {
+        let valve = "\n[[line]]\nid = \"back\"\nfrom = \"node1\"\nto = \"lab\"\n\n[[line.element]]\nid = \"check\"\nkind = \
+                     \"check_valve\"\nresistance_pa_s2_kg2 = 300.0\nreverse_leak_kg_s = 0.0005\nreverse_pressure_pa = 300.0\n";
+        let text = [include_str!("../tests/two_cabins.toml"), valve].concat();
+        let source = Source::text(text.as_bytes(), "two_cabins.toml", "two cabins".into()).unwrap();
+        let network = source.loaded.network();
+        let mut codes = 0;
+        for (line, description) in network.lines.iter().enumerate() {
+            for segment in network.segments_of(description) {
+                codes += (0..)
+                    .map_while(|index| segment.element.input_spec(index))
+                    .filter(InputSpec::is_code)
+                    .count();
+            }
+            assert!(
+                candidates(&source, line).iter().all(|candidate| !candidate.spec.is_code()),
+                "line {line}"
+            );
+        }
+        assert!(codes > 0, "there are some");
+    }
 }

@@ -101,7 +101,9 @@ fn several_lines_and_nodes_are_reported_by_id() {
     assert!((pressure("imv_duct") - pressure("node1")).abs() < 1e-9, "the last outlet is the node");
     assert!(pressure("vacuum").abs() < 1e-9);
     assert!(folder.path("out/run_adaptive.csv").exists());
-    let (code, out, _) = folder.say(&["stability", "two.toml"]);
+    let (code, _, err) = folder.say(&["stability", "two.toml"]);
+    assert!(code == 2 && err.contains("method `adaptive` does not step"), "{err}");
+    let (code, out, _) = folder.say(&["stability", "two.toml", "--method", "relaxation", "--step", "1ms"]);
     assert!(code == 0 && out.contains("line `imv`, input `imv_valve.opening`"), "{out}");
     assert!(!out.contains("line `hatch`"), "a line without inputs has nothing to sweep: {out}");
 }

@@ -16,6 +16,15 @@ pub struct Estimate {
     pub offset_us: i64,
 }
 
+/// By how much the peer's clock runs faster than ours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Drift {
+    /// The drift \[10⁻⁹\].
+    pub ppb: i64,
+    /// Bound of its error \[10⁻⁹\]: both offsets are known within half of their round trip, and no better.
+    pub error_ppb: i64,
+}
+
 /// Exchanges among which the shortest is chosen.
 const EXCHANGES: u32 = 256;
 
@@ -54,13 +63,15 @@ impl Clock {
         self.latest.or(self.best)
     }
 
-    /// By how much the peer's clock runs faster than ours \[10⁻⁹\]; `None` until there are two estimates a second
-    /// apart.
-    pub fn drift_ppb(&self) -> Option<i64> {
+    /// By how much the peer's clock runs faster than ours; `None` until there are two estimates a second apart.
+    pub fn drift(&self) -> Option<Drift> {
         let (first, latest) = (self.first?, self.latest?);
         let span_us = i64::try_from(latest.at_us.checked_sub(first.at_us)?).ok()?;
         let grown_us = latest.offset_us.checked_sub(first.offset_us)?;
-        (span_us >= 1_000_000).then(|| grown_us.saturating_mul(1_000_000_000) / span_us)
+        // Half of both round trips, and a microsecond for each of the four stamps.
+        let wrong_us = i64::try_from((first.round_trip_us + latest.round_trip_us).div_ceil(2) + 4).ok()?;
+        let part = |us: i64| us.saturating_mul(1_000_000_000) / span_us;
+        (span_us >= 1_000_000).then(|| Drift { ppb: part(grown_us), error_ppb: part(wrong_us) + 1 })
     }
 }
 
@@ -84,8 +95,37 @@ mod tests {
         let estimate = clock.estimate().unwrap();
         let true_offset = (peer(estimate.at_us) - estimate.at_us).cast_signed();
         assert!((estimate.offset_us - true_offset).abs() < 150, "{estimate:?}, not {true_offset}");
-        let drift = clock.drift_ppb().unwrap();
-        assert!((drift - 40_000).abs() < 10_000, "{drift}");
+        let drift = clock.drift().unwrap();
+        assert!((drift.ppb - 40_000).abs() < 10_000, "{drift:?}");
+    }
+
+    /// Ways whose asymmetry changes look like a drift: the bound of the error holds, and is reached.
+    #[test]
+    fn a_drift_is_known_within_its_error() {
+        for (there_us, back_us) in [(100, 100), (100, 4_000), (4_000, 100)] {
+            for true_ppm in [-200, 0, 40] {
+                let mut clock = Clock::default();
+                let peer = |us: i64| (5_000_000 + us + us * true_ppm / 1_000_000).cast_unsigned();
+                for tick in 0..8_000_i64 {
+                    let sent = 1_000_000 + tick * 1_000;
+                    let (there, back) = if tick < 4_000 { (500, 500) } else { (there_us, back_us) };
+                    let answered = sent + there;
+                    clock.exchange(
+                        sent.cast_unsigned(),
+                        peer(answered),
+                        0,
+                        (answered + back).cast_unsigned(),
+                    );
+                }
+                let Drift { ppb, error_ppb } = clock.drift().unwrap();
+                let wrong = (ppb - 1_000 * true_ppm).abs();
+                assert!(wrong <= error_ppb, "{ppb} ± {error_ppb}, truly {true_ppm} ppm");
+                assert!(
+                    there_us == back_us || 2 * wrong > error_ppb,
+                    "{wrong} of {error_ppb}: a bound, no guess"
+                );
+            }
+        }
     }
 
     #[test]

@@ -16,9 +16,18 @@ use crate::{Failure, Source};
 pub(super) fn run(args: &StabilityArgs, out: &mut dyn Write) -> Result<(), Failure> {
     let source = Source::open(args.network.as_deref())?;
     let step_us = Plan::step_us(&source, &Wishes { step: args.step, ..Wishes::default() })?;
-    let settings = Settings { method: source.loaded.run.method, step_us };
-    // Plain Euler is looked at because it is unstable; whatever else refuses the step never takes it.
-    if settings.method != Method::Euler {
+    let settings = Settings { method: args.method.unwrap_or(source.loaded.run.method), step_us };
+    if !crate::is_pseudo_time(settings.method) {
+        return Err(Failure::BadInput(format!(
+            "{}: eigenvalues are those of the relaxation system, which method `{}` does not step; --method relaxation \
+             examines the network as if that ran it",
+            source.name,
+            settings.method.name()
+        )));
+    }
+    // Plain Euler is looked at because it is unstable, and so is what the file does not run; what it runs and refuses the
+    // step never takes it.
+    if settings.method != Method::Euler && args.method.is_none() {
         let checked = settings.method.check(&source.loaded.network(), step_us);
         checked.map_err(|error| refused(&source, settings, &BuildError::Method(error)))?;
     }
@@ -42,6 +51,7 @@ pub(super) fn run(args: &StabilityArgs, out: &mut dyn Write) -> Result<(), Failu
     }
     writeln!(out, "network     {}", source.name)?;
     writeln!(out, "network id  {:016x}", source.loaded.network().id())?;
+    writeln!(out, "method      {}", settings.method.name())?;
     if found.is_empty() {
         writeln!(
             out,

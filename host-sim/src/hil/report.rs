@@ -1,6 +1,6 @@
 //! What a run with hardware was like, in figures.
 
-use eclss_core::protocol::Counters;
+use eclss_core::protocol::{Counters, Drift};
 use serde::Serialize;
 
 use super::loopback::LoopbackFigures;
@@ -143,6 +143,8 @@ pub struct LinkFigures {
     pub peer_offset_us: Option<i64>,
     /// By how much the peer's clock runs faster [ppm].
     pub peer_drift_ppm: Option<f64>,
+    /// Bound of the error of that [ppm].
+    pub peer_drift_error_ppm: Option<f64>,
 }
 
 impl LinkFigures {
@@ -165,6 +167,16 @@ impl LinkFigures {
             round_trip_us: None,
             peer_offset_us: None,
             peer_drift_ppm: None,
+            peer_drift_error_ppm: None,
+        }
+    }
+
+    /// The same with what is known of the peer's clock.
+    pub fn with_drift(self, drift: Option<Drift>) -> Self {
+        Self {
+            peer_drift_ppm: drift.map(|drift| drift.ppb as f64 / 1e3),
+            peer_drift_error_ppm: drift.map(|drift| drift.error_ppb as f64 / 1e3),
+            ..self
         }
     }
 }

@@ -15,7 +15,7 @@ use std::task::{Context, Waker};
 use std::time::Duration;
 
 use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
-use eclss_core::protocol::{Estimate, Link as Session, Role};
+use eclss_core::protocol::{Drift, Estimate, Link as Session, Role};
 use eclss_core::{Excursion, Health, Place, Settings, Simulator};
 use eclss_target::control::{self, Event};
 use eclss_target::coupling::{Coupling, LinkReport};
@@ -121,7 +121,7 @@ struct Outcome {
     dropped: u32,
     link: Option<LinkReport>,
     clock: Option<Estimate>,
-    drift_ppb: Option<i64>,
+    drift: Option<Drift>,
     link_counts: Option<LinkCounts>,
     checkpoint: Vec<u8>,
     events_lost: u64,
@@ -291,7 +291,7 @@ fn in_thread(
         dropped: tap.borrow().dropped(),
         link: coupling.link_report(),
         clock: clock.and_then(eclss_core::protocol::Clock::estimate),
-        drift_ppb: clock.and_then(eclss_core::protocol::Clock::drift_ppb),
+        drift: clock.and_then(eclss_core::protocol::Clock::drift),
         link_counts,
         measured,
         checkpoint,

@@ -239,8 +239,8 @@ impl Bench {
         let figures = LinkFigures {
             round_trip_us: clock.estimate().map(|clock| clock.round_trip_us),
             peer_offset_us: clock.estimate().map(|clock| clock.offset_us),
-            peer_drift_ppm: clock.drift_ppb().map(|ppb| ppb as f64 / 1e3),
             ..LinkFigures::new(job.link.to_string(), counts, session.is_connected(), session.counters())
+                .with_drift(clock.drift())
         };
         Ok(self.desk.report(source, wall_s, figures, session.refused(), record))
     }

@@ -156,7 +156,9 @@ pub(in crate::hil) fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io:
         link.unsent
     )?;
     if let (Some(round_trip), Some(offset)) = (link.round_trip_us, link.peer_offset_us) {
-        let drift = link.peer_drift_ppm.map_or(String::new(), |ppm| format!(", drifts by {ppm:.1} ppm"));
+        let drift = link.peer_drift_ppm.zip(link.peer_drift_error_ppm);
+        let drift =
+            drift.map_or(String::new(), |(ppm, error)| format!(", drifts by {ppm:.1} ± {error:.1} ppm"));
         writeln!(out, "peer's clock    {offset} µs ahead{drift}; round trip {round_trip} µs")?;
     }
     Ok(())

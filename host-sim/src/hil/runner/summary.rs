@@ -59,8 +59,8 @@ pub(super) fn report(source: &Source, job: &Job, outcome: &Outcome, seen: Seen, 
         LinkFigures {
             round_trip_us: outcome.clock.map(|clock| clock.round_trip_us),
             peer_offset_us: outcome.clock.map(|clock| clock.offset_us),
-            peer_drift_ppm: outcome.drift_ppb.map(|ppb| ppb as f64 / 1e3),
             ..LinkFigures::new(address.to_string(), bytes, link.connected, &link.counters)
+                .with_drift(outcome.drift)
         }
     });
     Report {
