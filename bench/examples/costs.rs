@@ -1,9 +1,9 @@
 //! Prints all cost tables: `cargo run --release -p eclss-bench --features peers --example costs`.
-//! With `chains`, `scale` or `large` behind it, only that one; sizes may follow.
+//! With `chains` or `scale` behind it, only that one; sizes may follow.
 
 use std::error::Error;
 
-use eclss_bench::{PAPER_SIZES, SCALE_SIZES, chain_costs, exponent, large_cost, mesh_cost, scale_costs};
+use eclss_bench::{PAPER_SIZES, SCALE_SIZES, chain_costs, exponent, mesh_cost, scale_costs};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -40,14 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
                 "{:>6}  {:<15}{:>14.0}{:>12.2}",
                 row.nodes, row.method, row.median_ns, row.ratio_to_floor
             );
-        }
-    }
-    if matches!(which, "all" | "large") {
-        for nodes in or(&[500_000]) {
-            // Alone, then with all processors.
-            for threads in [1, 0] {
-                println!("{:#?}", large_cost(nodes, threads)?);
-            }
         }
     }
     Ok(())

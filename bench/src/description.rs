@@ -128,11 +128,6 @@ impl Description {
         }
     }
 
-    /// Bytes of the description that a step of `adaptive` in ranges reads: which lines end at a node.
-    pub(crate) fn plan_bytes(&self) -> usize {
-        4 * (self.plan.end_start.len() + self.plan.ends.len())
-    }
-
     fn node(&mut self, volume_m3: Option<f32>, start_gauge_pa: f32) -> u32 {
         let kind = volume_m3.map_or(NodeKind::Boundary, |volume_m3| NodeKind::Cabin { volume_m3 });
         self.nodes.push(Node { kind, start_gauge_pa, temperature_k: 295.15 });

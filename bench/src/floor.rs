@@ -10,8 +10,6 @@
 
 use std::hint::black_box;
 
-use rayon::prelude::*;
-
 /// Arrays for as many equations as there are flows.
 #[derive(Debug, Clone)]
 pub struct Floor {
@@ -29,17 +27,6 @@ impl Floor {
             resistance: (0..equations).map(|index| 800.0 + 5_000.0 * spread(index, 89)).collect(),
             flow_kg_s: vec![0.0; equations],
         }
-    }
-
-    /// Goes over all equations once, shared by the threads of the pool that this is called in.
-    pub fn run_shared(&mut self) {
-        const PART: usize = 16_384;
-        let parts = black_box(&mut self.flow_kg_s).par_chunks_mut(PART);
-        let parts = parts.zip(black_box(&self.drive_pa).par_chunks(PART));
-        parts
-            .zip(black_box(&self.resistance).par_chunks(PART))
-            .for_each(|((flow, drive), resistance)| pass(drive, resistance, flow));
-        black_box(&mut self.flow_kg_s);
     }
 
     /// Goes over all equations once.

@@ -4,7 +4,7 @@
 //!   `relaxation`, the physical methods, a dense implicit Newton step as the paper's baseline, and (feature
 //!   `peers`) a modern variable-step BDF with a sparse factorisation.
 //! - [`scale_costs`] and [`exponent`] show how `adaptive` and `tr-bdf2` grow with the number of nodes.
-//! - [`mesh_cost`] and [`large_cost`] take a mesh of 100 × 100 nodes and a network of a million equations.
+//! - [`mesh_cost`] takes a mesh of 100 × 100 nodes.
 //! - The program `eclss-frames` runs the paper's valve scenario frame by frame for an instruction counter;
 //!   `tests/instructions.rs` compares the worst frame with the mean.
 //!
@@ -16,7 +16,6 @@
 mod chains;
 mod description;
 pub mod floor;
-mod large;
 mod newton;
 #[cfg(feature = "peers")]
 mod peer;
@@ -30,7 +29,6 @@ use eclss_core::BuildError;
 
 pub use chains::{PAPER_SIZES, Row, chain_costs};
 pub use description::Description;
-pub use large::{LargeCost, large_cost};
 pub use runner::Runner;
 pub use scale::{SCALE_SIZES, ScaleRow, exponent, mesh_cost, scale_costs};
 
@@ -41,8 +39,6 @@ pub enum Failure {
     Build(BuildError),
     /// A run left its range: a faulted step costs nothing and must not be counted.
     Faulted(&'static str),
-    /// Threads could not be started; the system's own words.
-    Threads(String),
     /// The other solver gave up; its own words.
     Peer(String),
 }
@@ -52,7 +48,6 @@ impl fmt::Display for Failure {
         match self {
             Self::Build(error) => write!(f, "the network was refused: {error}"),
             Self::Faulted(method) => write!(f, "the run with {method} left its range"),
-            Self::Threads(words) => write!(f, "no threads: {words}"),
             Self::Peer(words) => write!(f, "the other solver gave up: {words}"),
         }
     }

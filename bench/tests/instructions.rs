@@ -12,9 +12,6 @@ use eclss_core::Method;
 /// Largest worst frame over the mean frame [1].
 const WORST_OVER_MEAN: f64 = 1.05;
 const STEP_US: &str = "10000";
-/// Most instructions that a node and its line may take in a step in ranges: what they took when this was written, and
-/// some for another compiler.
-const IN_RANGES: f64 = 160.0;
 /// Largest exponent of growth from 100 to 1 000 and to 10 000 nodes [1].
 const EXPONENT: f64 = 1.05;
 
@@ -103,20 +100,4 @@ fn a_frame_grows_no_faster_than_the_network() {
         }
     }
     assert!(fast.is_empty(), "{fast:?}");
-}
-
-/// Nodes of the chain that is stepped in ranges.
-const NODES: u32 = 20_000;
-
-#[test]
-fn a_step_in_ranges_costs_a_node_and_its_line_few_instructions() {
-    let _turn = crate::alone();
-    if counter_missing() {
-        return;
-    }
-    let frame =
-        frames("adaptive-in-ranges", &["1000", "4", &NODES.to_string()]).pop().expect("frames were counted");
-    let each = frame as f64 / f64::from(NODES);
-    println!("adaptive in ranges, {NODES} nodes: {each:.1} instructions for a node and its line");
-    assert!(each <= IN_RANGES, "{each:.1} > {IN_RANGES}");
 }

@@ -6,16 +6,12 @@
 //! is printed only: two sizes are not measured at the same moment, and a busy machine decides the third digit. What is
 //! asserted of growth is counted in instructions (`tests/instructions.rs`).
 
-use eclss_bench::{ScaleRow, exponent, large_cost, mesh_cost, scale_costs};
+use eclss_bench::{ScaleRow, exponent, mesh_cost, scale_costs};
 
 /// Largest exponent of cost growth from 1 000 to 10 000 nodes [1].
 const EXPONENT: f64 = 1.05;
 /// Largest cost at 1000 nodes over the floor of 2000 equations [1]: the bar, and what must not be exceeded meanwhile.
 const FLOORS: [(&str, f64, f64); 2] = [("adaptive", 2.5, 3.5), ("tr-bdf2", 12.0, 24.0)];
-/// Largest cost of a million equations in `adaptive` over the floor of the same threads [1]: the same two. The floor's
-/// arrays stay in a cache that the network's do not fit into, so that whoever shares this cache or the memory behind it
-/// decides whether the figure is 1.8 or 3; what the step itself costs is counted in instructions.
-const LARGE: (f64, f64) = (2.0, 4.0);
 /// Runs of which the best counts.
 const RUNS: usize = 8;
 
@@ -51,26 +47,6 @@ fn cost_grows_with_the_nodes_and_stays_near_the_floor() {
         tell(method, "exponent of growth", best, EXPONENT);
     }
     assert!(broken.is_empty(), "{broken:?}");
-}
-
-#[test]
-fn a_million_equations_cost_little_more_than_their_roots_with_one_thread_and_with_all() {
-    let _turn = crate::alone();
-    if cfg!(debug_assertions) {
-        return;
-    }
-    let (bar, ceiling) = LARGE;
-    for threads in [1, 0] {
-        let mut best = f64::INFINITY;
-        for _ in 0..RUNS {
-            best = best.min(large_cost(500_000, threads).expect("half a million nodes run").ratio_to_floor);
-            if best <= bar {
-                break;
-            }
-        }
-        tell("adaptive", &format!("a million equations, threads {threads} (0: all)"), best, bar);
-        assert!(best <= ceiling, "{best:.3} > {ceiling}");
-    }
 }
 
 #[test]

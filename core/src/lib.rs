@@ -54,7 +54,6 @@ mod unroll;
 pub use climate::Climate;
 pub use element::{Element, InputSpec, Law, Operating, ParameterError, Reason, StdElement};
 pub use fingerprint::Fingerprint;
-pub use method::adaptive::split::{InTurn, Join, SplitBuffers};
 pub use method::{Method, MethodError};
 pub use network::{Active, Line, Network, NetworkError, Responsive, Segment};
 pub use node::{Node, NodeKind};
@@ -63,6 +62,6 @@ pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
 pub use simulator::{
     BuildError, CheckpointError, Compiled, CompiledSimulator, Excursion, Fault, Health, InputError,
-    LiveInput, Place, Settings, Simulator, SplitSimulator, Strayed,
+    LiveInput, Place, Settings, Simulator, Strayed,
 };
 pub use storage::{Buffers, Sizes, Storage};

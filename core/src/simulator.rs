@@ -7,14 +7,12 @@ mod health;
 mod live;
 mod read;
 mod refusal;
-mod split;
 
 pub use checkpoint::CheckpointError;
 pub use compiled::{Compiled, CompiledSimulator};
 pub use excursion::{Excursion, Strayed};
 pub use health::{Fault, Health, Place};
 pub use live::{InputError, LiveInput};
-pub use split::SplitSimulator;
 
 use crate::climate::{self, ClimateError};
 use crate::element::{Element, StdElement};

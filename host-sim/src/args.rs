@@ -227,10 +227,6 @@ pub(crate) struct RunArgs {
     /// Time between two rows of the CSV; chosen for at most 20 000 rows when absent.
     #[arg(long, value_name = "TIME")]
     pub(crate) every: Option<Duration>,
-    /// Threads that share every step of method `adaptive`, for large networks: the results are the same to the bit.
-    /// 0 for one on every processor.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) threads: u16,
     /// Folder for CSV and plot; `results/` with the network's name when absent, none with --json.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,

@@ -2,14 +2,12 @@
 //!
 //! `eclss-frames METHOD STEP_US UNTIL_MS [NODES | FILE.toml]`: the paper's valve scenario, a chain of so many nodes, or a
 //! network file.
-//! With `adaptive-in-ranges` for a method, `adaptive` as it steps large networks, by one thread.
 
 use std::error::Error;
 use std::hint::black_box;
 
 use eclss_bench::{Description, Runner};
-use eclss_core::{Health, InTurn, Method, Network, SplitSimulator};
-use eclss_parallel::ParallelBuffers;
+use eclss_core::{Health, Method, Network};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,19 +23,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (step_us, until_ms): (u32, u64) = (step_us.parse()?, until_ms.parse()?);
     let description = nodes.map_or_else(Description::paper_loop, Description::node_chain);
     let network = description.network();
-    if method == "adaptive-in-ranges" {
-        let mut frames = 0u32;
-        let mut buffers = ParallelBuffers::new(&network);
-        let mut simulator = buffers.simulator(&network, step_us)?;
-        for _ in 0..until_ms * 1_000 / u64::from(step_us) {
-            if in_ranges(&mut simulator) != Health::Trusted {
-                return Err("the run left its range".into());
-            }
-            frames += 1;
-        }
-        println!("{frames} frames");
-        return Ok(());
-    }
     run(&network, method, step_us, until_ms)
 }
 
@@ -55,11 +40,6 @@ fn run(network: &Network<'_>, method: &str, step_us: u32, until_ms: u64) -> Resu
     }
     println!("{frames} frames");
     Ok(())
-}
-
-/// One frame in ranges of lines and of nodes.
-fn in_ranges<E: eclss_core::Element + Sync>(simulator: &mut SplitSimulator<'_, E>) -> Health {
-    eclss_frame(|| simulator.step(&InTurn))
 }
 
 /// One frame; its name is what the counter looks for.

@@ -13,16 +13,11 @@
 //! the secant is what carries the proof, the tangent dw/dy fails). A node with φ < 1 behaves as if its volume
 //! were V/φ: that part of its storage is fictitious and booked as such. Volumes and inertances inside lines
 //! are not used.
-//!
-//! Two ways to the same bits: [`step`] goes over the lines once and adds what they carry to the nodes at once, which is
-//! the least work for one processor; [`split`] lets ranges of lines and then ranges of nodes be stepped side by
-//! side, with every node gathering in the order of the lines.
 
 mod layout;
 mod line;
 mod node;
 mod respond;
-pub(crate) mod split;
 
 use super::common::{self, NodeState};
 use super::responsive::{self, Given};
@@ -215,7 +210,7 @@ fn step_nodes(
         let [pressure, net, lost, conductance, start, per_mass, rate, last] = figures;
         (*pressure, *last) = move_node(state, [*start, *per_mass, *rate], [*net, *lost, *conductance]);
         (*net, *lost, *conductance) = (0.0, 0.0, 0.0);
-        watch.node_but_square(range, *pressure, *last);
+        watch.node(range, *pressure, *last);
         square += *pressure * *pressure;
     }
     watch.squares(square, Fault::GAUGE_LIMIT_PA);

@@ -17,7 +17,6 @@ pub(super) fn run(args: &RunArgs, out: &mut dyn Write) -> Result<(), Failure> {
         until: args.until,
         at: args.at.clone(),
         every: args.every,
-        threads: Some(args.threads.into()),
     };
     let plan = Plan::new(&source, &wishes)?;
     // Made before the run: a folder that cannot be made is known at once.

@@ -1,8 +1,6 @@
-//! Who takes the steps of a run: one thread, several that share each step, or one with a step that was compiled for the
-//! network.
+//! Who takes the steps of a run: the core's simulator, or one whose step was compiled for the network.
 
-use eclss_core::{Method, Network, Simulator, SplitSimulator};
-use eclss_parallel::{ParallelBuffers, Threads};
+use eclss_core::{Network, Simulator};
 
 use super::Plan;
 #[cfg(feature = "compiled")]
@@ -14,7 +12,6 @@ use crate::{Failure, HostBuffers, Source};
 #[derive(Debug, Default)]
 pub(super) struct Numbers {
     alone: HostBuffers,
-    shared: ParallelBuffers,
 }
 
 /// A simulator and who steps it.
@@ -22,7 +19,6 @@ pub(super) enum Driver<'a> {
     Alone(Simulator<'a>),
     #[cfg(feature = "compiled")]
     Compiled(compiled::Compiled<'a>),
-    Shared(SplitSimulator<'a>, Threads),
 }
 
 impl<'a> Driver<'a> {
@@ -34,32 +30,18 @@ impl<'a> Driver<'a> {
         numbers: &'a mut Numbers,
     ) -> Result<Self, Failure> {
         let refused = |error| refused(source, plan.settings, &error);
-        if plan.threads == 1 {
-            let simulator = numbers.alone.simulator(network, plan.settings).map_err(refused)?;
-            #[cfg(feature = "compiled")]
-            if compiled::fits(&simulator) {
-                let compiled = compiled::Compiled::new(simulator).map(Self::Compiled);
-                return compiled.ok_or_else(|| Failure::Failed("another network is compiled in".to_owned()));
-            }
-            return Ok(Self::Alone(simulator));
+        let simulator = numbers.alone.simulator(network, plan.settings).map_err(refused)?;
+        #[cfg(feature = "compiled")]
+        if compiled::fits(&simulator) {
+            let compiled = compiled::Compiled::new(simulator).map(Self::Compiled);
+            return compiled.ok_or_else(|| Failure::Failed("another network is compiled in".to_owned()));
         }
-        if plan.settings.method != Method::Adaptive {
-            let name = plan.settings.method.name();
-            return Err(Failure::BadInput(format!(
-                "--threads {}: threads can share a step of method `adaptive`, not one of `{name}`",
-                plan.threads
-            )));
-        }
-        let threads = Threads::new(plan.threads)
-            .map_err(|error| Failure::Failed(format!("--threads {}: {error}", plan.threads)))?;
-        numbers.shared = ParallelBuffers::new(network);
-        let simulator = numbers.shared.simulator(network, plan.settings.step_us).map_err(refused)?;
-        Ok(Self::Shared(simulator, threads))
+        return Ok(Self::Alone(simulator));
     }
 
     /// Whether the step was compiled for this network.
     pub(super) fn is_compiled(&self) -> bool {
-        !matches!(self, Self::Alone(_) | Self::Shared(..))
+        !matches!(self, Self::Alone(_))
     }
 
     pub(super) fn step(&mut self) {
@@ -71,9 +53,6 @@ impl<'a> Driver<'a> {
             Self::Compiled(simulator) => {
                 simulator.step();
             }
-            Self::Shared(simulator, threads) => {
-                threads.step(simulator);
-            }
         }
     }
 
@@ -83,7 +62,6 @@ impl<'a> Driver<'a> {
             Self::Alone(simulator) => simulator,
             #[cfg(feature = "compiled")]
             Self::Compiled(simulator) => simulator,
-            Self::Shared(simulator, _) => simulator.counters(),
         }
     }
 
@@ -93,7 +71,6 @@ impl<'a> Driver<'a> {
             Self::Alone(simulator) => simulator,
             #[cfg(feature = "compiled")]
             Self::Compiled(simulator) => simulator,
-            Self::Shared(simulator, _) => simulator.simulator(),
         }
     }
 }

@@ -17,8 +17,6 @@ pub struct Wishes {
     pub at: Vec<Duration>,
     /// Time between two rows of the record.
     pub every: Option<Duration>,
-    /// Threads that share a step, one for every processor where it is 0; one when absent.
-    pub threads: Option<usize>,
 }
 
 /// A run in whole steps.
@@ -32,8 +30,6 @@ pub struct Plan {
     pub at_ticks: Vec<u64>,
     /// Ticks between two rows of the record; chosen by length where absent.
     pub every_ticks: Option<u64>,
-    /// Threads that share a step; one for every processor where it is 0.
-    pub threads: usize,
 }
 
 impl Plan {
@@ -75,7 +71,7 @@ impl Plan {
         if every_ticks == Some(0) {
             return Err(Failure::BadInput("--every 0 s: rows need some time between them".into()));
         }
-        Ok(Self { settings, ticks, at_ticks, every_ticks, threads: wishes.threads.unwrap_or(1) })
+        Ok(Self { settings, ticks, at_ticks, every_ticks })
     }
 
     /// The step [µs] that wishes and file ask for.

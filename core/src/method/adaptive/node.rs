@@ -41,13 +41,6 @@ pub(super) struct Watch {
 impl Watch {
     pub(super) const NOTHING: Self = Self { smallest_phi: 1.0f32.to_bits().cast_signed(), beyond: 0 };
 
-    #[must_use]
-    pub(super) fn with(self, other: Self) -> Self {
-        let smaller = other.smallest_phi < self.smallest_phi;
-        let smallest_phi = if smaller { other.smallest_phi } else { self.smallest_phi };
-        Self { smallest_phi, beyond: self.beyond | other.beyond }
-    }
-
     /// Looks at a flow [kg/s].
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "the body of the loop over lines")]
@@ -55,20 +48,10 @@ impl Watch {
         self.beyond |= Fault::FLOW_LIMIT_KG_S.to_bits().wrapping_sub(w.to_bits() & MAGNITUDE);
     }
 
-    /// Looks at a moved node.
+    /// Looks at a moved node; the upper end of its range is found by the sum of squares in [`Self::squares`].
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "the body of the loop over nodes")]
     pub(super) fn node(&mut self, range: Range, pressure: f32, phi: f32) {
-        let phi = phi.to_bits().cast_signed();
-        self.smallest_phi = if phi < self.smallest_phi { phi } else { self.smallest_phi };
-        let bits = (pressure + range.offset_pa).to_bits();
-        self.beyond |= bits | range.limit_bits.wrapping_sub(bits);
-    }
-
-    /// The same in fewer instructions, with the upper end told by a sum of squares that [`Self::squares`] looks at.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "the body of the loop over nodes")]
-    pub(super) fn node_but_square(&mut self, range: Range, pressure: f32, phi: f32) {
         let phi = phi.to_bits().cast_signed();
         self.smallest_phi = if phi < self.smallest_phi { phi } else { self.smallest_phi };
         self.beyond |= (pressure + range.offset_pa).to_bits();
@@ -89,22 +72,18 @@ impl Watch {
     }
 }
 
-/// The range of a gauge pressure, as one addition and a comparison of bits: negative numbers, numbers above a limit
-/// and NaN are told apart from all others by the highest bit of the bits themselves or of their distance to the
-/// limit's.
+/// Lower end of a gauge pressure's range: what is added so that the highest bit of the sum is set below it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Range {
     offset_pa: f32,
-    limit_bits: u32,
 }
 
 impl Range {
     /// For gauge pressures over `reference_pa` [Pa, ≥ 0]. Never overlooks what [`Fault::outside`] finds.
     pub(super) fn of(reference_pa: f32) -> Self {
-        // The sign of a rounded sum is exact; at the upper end rounding may take one value in too many.
+        // The sign of a rounded sum is exact.
         let above = reference_pa > Fault::GAUGE_LIMIT_PA;
-        let offset_pa = if above { Fault::GAUGE_LIMIT_PA } else { reference_pa };
-        Self { offset_pa, limit_bits: (Fault::GAUGE_LIMIT_PA + offset_pa).to_bits() - 1 }
+        Self { offset_pa: if above { Fault::GAUGE_LIMIT_PA } else { reference_pa } }
     }
 }
 
@@ -115,6 +94,7 @@ mod tests {
     fn seen(reference_pa: f32, pressure_pa: f32) -> bool {
         let mut watch = Watch::NOTHING;
         watch.node(Range::of(reference_pa), pressure_pa, 1.0);
+        watch.squares(pressure_pa * pressure_pa, Fault::GAUGE_LIMIT_PA);
         !watch.is_fine()
     }
 
