@@ -1,8 +1,5 @@
 //! One run of any network: what was asked, what came out.
 
-#[cfg(feature = "compiled")]
-mod compiled;
-mod driver;
 mod picture;
 mod plan;
 mod report;
@@ -21,9 +18,9 @@ pub use watch::Breach;
 
 use eclss_core::{Health, Proof, Simulator};
 
+use crate::refusal::refused;
 use crate::trace::{Column, Trace};
-use crate::{Failure, Progress, Source};
-use driver::{Driver, Numbers};
+use crate::{Failure, HostBuffers, Progress, Source};
 
 /// Rows that a record holds at most, unless an interval was asked for.
 const ROWS: u64 = 20_000;
@@ -34,8 +31,9 @@ const VALUES: u64 = 40_000_000;
 pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(RunReport, Trace), Failure> {
     let loaded = &source.loaded;
     let network = loaded.network();
-    let mut numbers = Numbers::default();
-    let mut driver = Driver::new(source, plan, &network, &mut numbers)?;
+    let mut buffers = HostBuffers::default();
+    let simulator = buffers.simulator(&network, plan.settings);
+    let mut simulator = simulator.map_err(|error| refused(source, plan.settings, &error))?;
     let columns = Column::all(&loaded.records);
     let every = interval(plan, columns.len() as u64)?;
     let mut trace = Trace::new(columns, every);
@@ -46,30 +44,29 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut due = plan.at_ticks.iter().copied().peekable();
     progress.say(&format!("{} at {}", plan.settings.method.name(), plan.step()));
     loop {
-        let (tick, trusted) = (driver.counters().tick(), driver.counters().health() == Health::Trusted);
-        if trace.is_due(driver.counters()) {
-            trace.note(driver.simulator());
+        let (tick, trusted) = (simulator.tick(), simulator.health() == Health::Trusted);
+        if trace.is_due(&simulator) {
+            trace.note(&simulator);
         }
         if !trusted {
             break;
         }
         if due.next_if_eq(&tick).is_some() {
-            snapshots.push(Snapshot::take(loaded, driver.simulator()));
+            snapshots.push(Snapshot::take(loaded, &simulator));
         }
         if tick >= plan.ticks {
             break;
         }
-        driver.step();
-        guarded_ticks += u64::from(driver.counters().margin().proof == Proof::ShortStep);
-        slowed.look(&mut driver, plan.settings.method);
-        if watch.is_due(driver.counters()) {
-            watch.look(driver.simulator());
+        simulator.step();
+        guarded_ticks += u64::from(simulator.margin().proof == Proof::ShortStep);
+        slowed.look(&simulator, plan.settings.method);
+        if watch.is_due(&simulator) {
+            watch.look(&simulator);
         }
-        tell(driver.counters(), progress);
+        tell(&simulator, progress);
     }
     progress.finish();
-    let mut report = RunReport::new(source, plan, snapshots, driver.simulator(), guarded_ticks);
-    report.compiled_in = driver.is_compiled();
+    let mut report = RunReport::new(source, plan, snapshots, &simulator, guarded_ticks);
     report.breaches = watch.breaches();
     report.slowed = slowed.found(source);
     Ok((report, trace))

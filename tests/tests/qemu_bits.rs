@@ -179,7 +179,7 @@ fn a_damaged_image_is_refused() {
         let run = run(machine, &["seconds=1", &format!("image={path}")]);
         run.line("the image is refused: Damaged");
         assert!(!run.status.success());
-        let run = emulator::run(machine, &["seconds=1", "image=no/such/file"]);
+        let run = crate::emulator::run(machine, &["seconds=1", "image=no/such/file"]);
         run.line("cannot read `no/such/file`");
         assert!(!run.status.success());
     }

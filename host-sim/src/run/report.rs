@@ -41,8 +41,6 @@ pub struct RunReport {
     pub step_s: f64,
     /// Plant time at which the run was to end [s].
     pub until_s: f64,
-    /// Whether the step was specialised for this network when the program was built.
-    pub compiled_in: bool,
     /// Whether transients are pseudo-time, so that only states of rest are physical.
     pub pseudo_time: bool,
     /// The state at every asked time that was reached.
@@ -267,7 +265,6 @@ impl RunReport {
             method: method.name(),
             step_s: plan.step().seconds(),
             until_s: plan.until().seconds(),
-            compiled_in: false,
             pseudo_time: crate::is_pseudo_time(method),
             at,
             end: End {

@@ -1,8 +1,7 @@
 //! Tells which node the operator of `adaptive` slowed most, where that bends what a run shows.
 
-use eclss_core::Method;
+use eclss_core::{Method, Simulator};
 
-use super::driver::Driver;
 use crate::Source;
 
 /// φ below which a node is named [1, chosen]: it stores as if its volume were more than twice as large.
@@ -34,8 +33,8 @@ pub(super) struct Watch {
 
 impl Watch {
     /// Looks at the last step.
-    pub(super) fn look(&mut self, driver: &mut Driver<'_>, method: Method) {
-        let phi = driver.counters().margin().phi;
+    pub(super) fn look(&mut self, simulator: &Simulator<'_>, method: Method) {
+        let phi = simulator.margin().phi;
         // The φ of other methods belongs to lines and to pseudo-time.
         if method != Method::Adaptive || phi >= TOLD_BELOW {
             return;
@@ -44,7 +43,6 @@ impl Watch {
         if self.worst.is_some_and(|(_, worst, _)| phi > AGAIN * worst) {
             return;
         }
-        let simulator = driver.simulator();
         let nodes = 0..simulator.network().nodes.len();
         let smallest = nodes.map(|node| (node, simulator.node_phi(node))).min_by(|a, b| a.1.total_cmp(&b.1));
         self.worst = smallest.map(|(node, phi)| (node, phi, simulator.time_us()));

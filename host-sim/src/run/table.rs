@@ -10,8 +10,7 @@ use super::{ById, GUARD, RunReport, Snapshot, TOLD_BELOW};
 pub fn write_table(out: &mut dyn Write, loaded: &Loaded, report: &RunReport) -> io::Result<()> {
     writeln!(out, "network     {}", report.network)?;
     writeln!(out, "network id  {}", report.network_id)?;
-    let compiled = if report.compiled_in { ", compiled in" } else { "" };
-    writeln!(out, "method      {}, step {} ms, f32{compiled}", report.method, report.step_s * 1e3)?;
+    writeln!(out, "method      {}, step {} ms, f32", report.method, report.step_s * 1e3)?;
     for snapshot in &report.at {
         writeln!(out)?;
         write_snapshot(out, &loaded.names, snapshot, loaded)?;
