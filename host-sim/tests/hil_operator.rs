@@ -50,6 +50,70 @@ fn hardware(socket: PathBuf) {
     });
 }
 
+/// A tick in RUN that takes longer than silence may last is SAFE, though no tick behind it is late.
+#[test]
+fn a_stall_leads_to_safe() {
+    let mut plant = plant("stall", &["--arm", "--stall", "600:300ms"]);
+    hardware(plant.socket.clone());
+    plant.console.wait_for("READY → RUN");
+    let line = plant.console.wait_for("RUN → SAFE");
+    assert!(line.contains("µs behind the wall"), "{line}");
+}
+
+/// Input without end, signals and time: each ends the run in good order, with its record.
+#[test]
+fn a_run_ends_whatever_is_typed() {
+    use std::io::Write as _;
+    for (name, ending) in
+        [("duration", None), ("term", Some("TERM")), ("hup", Some("HUP")), ("int", Some("INT"))]
+    {
+        let folder = place(&format!("endless-{name}"));
+        let more = ["--record", folder.to_str().unwrap()];
+        let more = if ending.is_none() { [&more[..], &["--duration", "2s"]].concat() } else { more.to_vec() };
+        let mut plant = plant(&format!("endless-{name}"), &more);
+        plant.console.wait_for("INIT");
+        let mut orders = plant.console.orders.take().unwrap();
+        let typist = std::thread::spawn(move || {
+            let text = "hold\nfly\n\nstep 3\n".repeat(1_000);
+            while orders.write_all(text.as_bytes()).is_ok() {}
+        });
+        plant.console.listen(Duration::from_millis(1_000));
+        if let Some(signal) = ending {
+            let pid = plant.console.child.id().to_string();
+            assert!(
+                std::process::Command::new("kill").args(["-s", signal, &pid]).status().unwrap().success()
+            );
+        }
+        assert!(
+            plant.console.end(Duration::from_secs(20)).success(),
+            "{name}: {:?}",
+            plant.console.said.last()
+        );
+        typist.join().unwrap();
+        let bytes = std::fs::metadata(folder.join("record.mcap")).unwrap().len();
+        assert!(bytes < 3_000_000, "{name}: {bytes} bytes of record");
+        assert!(plant.console.said.iter().any(|line| line.starts_with("state hash")), "{name}");
+    }
+}
+
+/// No record is written over.
+#[test]
+fn a_second_record_in_the_same_folder_is_refused() {
+    let folder = place("twice");
+    let words =
+        ["hil", "--network", "networks/paper.toml", "--speed", "inf", "--duration", "100ms", "--record"];
+    let run = || {
+        let mut console = Console::start(&[&words[..], &[folder.to_str().unwrap()]].concat());
+        (console.end(Duration::from_secs(30)).code(), console.said.join("\n"))
+    };
+    assert_eq!(run().0, Some(0));
+    let files = || ["record.csv", "record.mcap"].map(|name| std::fs::read(folder.join(name)).unwrap());
+    let first = files();
+    let (code, said) = run();
+    assert!(code == Some(2) && said.contains("is there already"), "{said}");
+    assert!(files() == first);
+}
+
 /// What `check --hil` refuses is not coupled, unless somebody accepts it by name; both say so before anything is armed.
 #[test]
 fn an_unstable_coupling_is_not_started() {

@@ -62,6 +62,11 @@ impl<'n, 't> Table<'n, 't> {
     pub(crate) fn text(&mut self, key: &'static str) -> Option<String> {
         let value = self.value(key)?;
         match value.get_ref() {
+            // What is shown on terminals must not steer them.
+            DeValue::String(text) if text.chars().any(char::is_control) => {
+                self.notes.refuse(value.span(), format!("`{key}` has a control character"));
+                None
+            }
             DeValue::String(text) => Some(text.to_string()),
             other => {
                 self.notes.refuse(value.span(), format!("`{key}` must be text, not {}", kind_of(other)));

@@ -93,6 +93,8 @@ fn what_is_not_toml() {
 
 #[test]
 fn unknown_keys_and_kinds() {
+    spoil("[run]", "title = «\"a\\u001b[2Jb\"\n[run]", "`title` has a control character");
+    spoil("[run]", "title = «\"a\\nb\"\n[run]", "`title` has a control character");
     spoil("name =", "«nmae = 1\nname =", "unknown key `nmae`");
     spoil("step =", "«Step =", "unknown key `Step`");
     spoil("temperature_k = 295.15", "temperature_k = 295.15\n«mass_kg = 1.0", "unknown key `mass_kg`");

@@ -177,6 +177,12 @@ pub async fn run<B: Board, P: Plant>(
         if skipped > 0 {
             tell(Event::Overrun { tick, skipped });
         }
+        let stalled = skipped > coupling.process().image().safe_after_ticks;
+        if stalled && coupling.is_bound() && state.machine.mode() == Mode::Run {
+            // Hardware was without its plant for longer than the plant may be without its hardware.
+            let lag_us = u64::from(skipped) * u64::from(period_us.get());
+            state.fail(Cause::Lag { lag_us }, board, coupling, tick, &mut tell);
+        }
         if let Some(cause) = state.judge(&account, settings) {
             state.fail(cause, board, coupling, tick, &mut tell);
         }

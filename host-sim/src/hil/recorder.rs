@@ -65,10 +65,18 @@ impl Recorder {
         let made = |path: &Path, error| Failure::file("create", path, &error);
         std::fs::create_dir_all(order.folder).map_err(|error| made(order.folder, error))?;
         let (csv, mcap) = (order.folder.join("record.csv"), order.folder.join("record.mcap"));
-        let mut rows = BufWriter::new(File::create(&csv).map_err(|error| made(&csv, error))?);
+        // A record is a proof: none is written over.
+        let made = |path: &Path, error: std::io::Error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists => Failure::BadInput(format!(
+                "--record: {} is there already, and no record is written over; name another folder",
+                path.display()
+            )),
+            _ => made(path, error),
+        };
+        let mut rows = BufWriter::new(File::create_new(&csv).map_err(|error| made(&csv, error))?);
         table::write_names(&mut rows, order.names, order.every)
             .map_err(|error| Failure::file("write", &csv, &error))?;
-        let file = BufWriter::new(File::create(&mcap).map_err(|error| made(&mcap, error))?);
+        let file = BufWriter::new(File::create_new(&mcap).map_err(|error| made(&mcap, error))?);
         let container = Container::new(file, order.names, order.epoch_ns, order.network, order.start)
             .map_err(|error| Failure::Failed(format!("cannot write {}: {error}", mcap.display())))?;
         let capture = Capture::new(order.triggers, order.names, order.before, order.after)

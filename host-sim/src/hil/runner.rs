@@ -172,20 +172,16 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |since| since.as_nanos() as u64);
     let toml = loaded.file.to_toml();
-    let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start)?;
     let rows = (ROOM_S * 1_000_000 / u64::from(job.settings.step_us).max(1)).clamp(1_024, MOST_ROWS);
-    let (giver, taker) = if recorder.is_some() {
-        let (giver, taker) = ring(layout, rows as usize);
-        (Some(giver), Some(taker))
-    } else {
-        (None, None)
-    };
     let broken = |error: std::io::Error| Failure::BadInput(error.to_string());
     let (link, keeper) = job.link.as_ref().map(open).transpose().map_err(broken)?.unzip();
     let (events, events_out) = RingBuffer::new(EVENTS);
     let (orders_in, orders) = RingBuffer::new(EVENTS);
     let (link, tester) = open_tester(job.loopback.as_ref(), link).map_err(broken)?;
     let (page, camera) = open_page(source, job, out)?;
+    // Last, so that no empty record is left behind by a run that was refused.
+    let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start)?;
+    let (giver, taker) = recorder.as_ref().map(|_| ring(layout, rows as usize)).unzip();
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
     let slots = layout.inputs;
     let ends = Ends { giver, events, orders, link, camera, columns, slots, nonce: epoch_ns as u32 | 1 };

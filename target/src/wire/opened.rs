@@ -3,7 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::UdpSocket;
-use std::os::unix::fs::OpenOptionsExt as _;
+use std::os::unix::fs::{FileTypeExt as _, OpenOptionsExt as _};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 
@@ -87,7 +87,7 @@ impl Opener {
             }
             Address::Unix { path, listens: false } => Ok(Self::Connects(path.clone())),
             Address::Unix { path, listens: true } => {
-                let listener = UnixListener::bind(path).map_err(refused)?;
+                let listener = listen(path).map_err(refused)?;
                 listener.set_nonblocking(true).map_err(refused)?;
                 Ok(Self::Listens { listener, path: path.clone() })
             }
@@ -114,6 +114,20 @@ impl Drop for Opener {
             let _ = std::fs::remove_file(path);
         }
     }
+}
+
+/// Listens at `path`, also where a program that was killed has left its socket behind; one that listens is left alone.
+fn listen(path: &std::path::Path) -> io::Result<UnixListener> {
+    let first = UnixListener::bind(path);
+    let in_use = first.as_ref().is_err_and(|error| error.kind() == ErrorKind::AddrInUse);
+    let is_socket = || std::fs::symlink_metadata(path).is_ok_and(|file| file.file_type().is_socket());
+    let is_dead =
+        || UnixStream::connect(path).is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused);
+    if in_use && is_socket() && is_dead() {
+        std::fs::remove_file(path)?;
+        return UnixListener::bind(path);
+    }
+    first
 }
 
 fn non_blocking(stream: UnixStream) -> Option<Wire> {

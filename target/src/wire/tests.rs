@@ -90,6 +90,23 @@ fn others_can_connect_to_us() {
     until(|| link.read(&mut buffer) == 5);
 }
 
+/// What a program that was killed has left behind is no hindrance; a socket at which somebody listens is, and so is a file.
+#[test]
+fn a_socket_that_was_left_behind_is_taken_over() {
+    let path = socket("stale");
+    let _ = std::fs::remove_file(&path);
+    drop(UnixListener::bind(&path).unwrap());
+    assert!(path.exists(), "nobody removed it");
+    let address = Address::Unix { path: path.clone(), listens: true };
+    let (first, _keeper) = open(&address).unwrap();
+    assert!(open(&address).is_err(), "somebody listens");
+    drop((first, _keeper));
+    std::fs::write(&path, "a file").unwrap();
+    assert!(open(&address).is_err());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "a file");
+    std::fs::remove_file(path).unwrap();
+}
+
 /// A side that does not read cannot make a call wait, and gets everything that was taken, in order.
 #[test]
 fn a_side_that_does_not_keep_up_makes_nobody_wait() {

@@ -27,6 +27,9 @@ use crate::hil::shot::Album;
 /// Status events between two lines of the display, and between two attempts to arm.
 const SHOW_EVERY: u32 = 10;
 
+/// Typed orders that may wait for the loop.
+const FEW_ORDERS: usize = 4;
+
 /// The other side of the loop's rings.
 pub(super) struct Housekeeping<'o> {
     out: &'o mut dyn Write,
@@ -100,8 +103,9 @@ impl<'o> Housekeeping<'o> {
             album.look(|shot| page.show(shot));
         }
         self.take_orders();
-        if self.interrupted.swap(false, Ordering::Relaxed) {
-            self.order(Order::Quit);
+        // The ring is never full for long: typed orders leave room.
+        if self.interrupted.load(Ordering::Relaxed) && self.orders.push(Order::Quit).is_ok() {
+            self.interrupted.store(false, Ordering::Relaxed);
         }
     }
 
@@ -170,15 +174,20 @@ impl<'o> Housekeeping<'o> {
             self.failed = Some(failure);
             self.recorder = None;
         }
+        self.show(text);
+    }
+
+    fn show(&mut self, text: &str) {
         if self.shows {
             // Who does not read our output does not stop hardware.
             let _ = writeln!(self.out, "            {text}");
         }
     }
 
+    /// Takes a line, unless the loop has not done the last few: whoever types without end is slowed down.
     fn take_orders(&mut self) {
-        loop {
-            let Some(typed) = &self.typed else { return };
+        let Some(typed) = &self.typed else { return };
+        if self.orders.slots() > self.orders.buffer().capacity().saturating_sub(FEW_ORDERS) {
             match typed.try_recv() {
                 Ok(line) => match parse(line.trim()) {
                     Some(order) => {
@@ -188,13 +197,10 @@ impl<'o> Housekeeping<'o> {
                         self.order(order);
                     }
                     None if line.trim().is_empty() => {}
-                    None => self.say(0, ORDERS),
+                    None => self.show(ORDERS),
                 },
-                Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => {
-                    self.typed = None;
-                    return;
-                }
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => self.typed = None,
             }
         }
     }

@@ -70,7 +70,8 @@ impl Console {
         desk: &mut Desk,
         arming: &mut Arming,
     ) -> bool {
-        while let Ok(line) = lines.try_recv() {
+        // One a turn, so that typing without end does not keep the bench from its work.
+        if let Ok(line) = lines.try_recv() {
             let line = line.trim();
             match parse(line) {
                 Some(Order::Quit) => return true,
