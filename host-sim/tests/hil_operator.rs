@@ -7,6 +7,7 @@ use crate::bench::console::Console;
 use crate::bench::{network, place, settled};
 use eclss_core::mode::Mode;
 use eclss_core::protocol::{Link as Session, Outgoing, Role};
+use eclss_host_sim::hil::replay::replay;
 use eclss_target::wire::{Address, open};
 
 const STEP_US: u32 = 10_000;
@@ -94,6 +95,37 @@ fn a_run_ends_whatever_is_typed() {
         assert!(bytes < 3_000_000, "{name}: {bytes} bytes of record");
         assert!(plant.console.said.iter().any(|line| line.starts_with("state hash")), "{name}");
     }
+}
+
+/// What was recorded a second before a run is killed can be read, and replayed as far as it goes.
+#[test]
+fn a_record_outlives_its_program() {
+    let folder = place("killed");
+    let words = ["hil", "--network", "networks/paper.toml", "--rate", "100", "--every", "10ms", "--record"];
+    let mut console = Console::start(&[&words[..], &[folder.to_str().unwrap()]].concat());
+    console.wait_for("→ RUN");
+    console.listen(Duration::from_millis(3_500));
+    console.child.kill().unwrap();
+    console.child.wait().unwrap();
+    let replayed = replay(&folder.join("record.mcap")).unwrap();
+    assert!(replayed.steps >= 100 && replayed.recorded_hash.is_none(), "{replayed:?}");
+    let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    assert!(csv.lines().count() > 100, "{} rows", csv.lines().count());
+}
+
+/// On a disk that takes no more the run goes on, says so, and leaves what was recorded until then.
+#[test]
+fn a_full_disk_ends_the_record_and_not_the_run() {
+    let folder = place("full");
+    let program = env!("CARGO_BIN_EXE_eclss-rt");
+    let arguments = "hil --network networks/paper.toml --speed inf --duration 30s --every 10ms --record";
+    // A file may grow to half a megabyte.
+    let line = format!("trap '' XFSZ; ulimit -f 1024; exec {program} {arguments} {}", folder.display());
+    let run = std::process::Command::new("sh").args(["-c", &line]).current_dir("..").output().unwrap();
+    let said = String::from_utf8(run.stdout).unwrap() + &String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.code() == Some(1) && said.contains("cannot write the record"), "{said}");
+    let replayed = replay(&folder.join("record.mcap")).unwrap();
+    assert!(replayed.steps >= 100 && replayed.recorded_hash.is_none(), "{replayed:?}");
 }
 
 /// No record is written over.

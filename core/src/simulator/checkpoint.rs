@@ -215,12 +215,20 @@ impl<E: Element> Simulator<'_, E> {
     }
 
     /// Looks at the words of bytes that are whole and as long as they must be: a run that is trusted has finite states,
-    /// and its schedules are at one of their points.
+    /// inputs that its elements take, and its schedules are at one of their points.
     fn check_words(&self, header: &Header, bytes: &[u8]) -> Option<()> {
         let states = bytes.get(HEADER..HEADER + 4 * self.state.len())?;
         let finite = |word: &[u8; 4]| f32::from_le_bytes(*word).is_finite();
         let trusted = header.health == Health::Trusted;
         (!trusted || states.as_chunks().0.iter().all(finite)).then_some(())?;
+        let inputs = HEADER + 4 * (self.state.len() + self.work.len());
+        let inputs: &[[u8; 4]] = bytes.get(inputs..inputs + 4 * self.inputs.len())?.as_chunks().0;
+        // A set for each of the method's stages.
+        let mut stages = inputs.chunks(self.network.inputs.len().max(1));
+        let taken = |stage: &[[u8; 4]]| {
+            self.network.takes_inputs(|slot| stage.get(slot).map(|word| f32::from_le_bytes(*word)))
+        };
+        stages.all(taken).then_some(())?;
         let cursors = bytes.len().checked_sub(CRC_BYTES + 4 * self.cursors.len())?;
         let cursors = bytes.get(cursors..)?.as_chunks().0;
         let there = |(schedule, word): (&Schedule, &[u8; 4])| u32::from_le_bytes(*word) <= schedule.points;
@@ -386,6 +394,12 @@ mod tests {
         assert_eq!(refused(last_cursor, &2_u32.to_le_bytes()), Err(CheckpointError::Damaged));
         assert_eq!(refused(40, &u64::MAX.to_le_bytes()), Err(CheckpointError::Damaged));
         assert_eq!(refused(88, &f32::NAN.to_le_bytes()), Err(CheckpointError::Damaged));
+        // The last stage's.
+        let valve = last_cursor - 4;
+        for wrong in [1.5, -0.5, f32::NAN] {
+            assert_eq!(refused(valve, &wrong.to_le_bytes()), Err(CheckpointError::Damaged), "{wrong}");
+        }
+        assert_eq!(refused(valve, &0.5_f32.to_le_bytes()), Ok(()));
         assert_eq!(refused(24, &7_u64.to_le_bytes()), Ok(()));
         assert_ne!(ours.state_hash(), hash);
     }

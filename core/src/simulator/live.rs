@@ -105,6 +105,19 @@ impl<E: Element> Network<'_, E> {
         Ok(LiveInput { slot, min, max })
     }
 
+    /// Whether every slot that something reads has a value that it takes; `value` tells a slot's.
+    pub(crate) fn takes_inputs(&self, value: impl Fn(usize) -> Option<f32>) -> bool {
+        let takes = |slot: usize, spec: &crate::element::InputSpec| {
+            value(slot).is_some_and(|value| (spec.min..=spec.max).contains(&value))
+        };
+        let of_segments = self.segments.iter().all(|segment| {
+            let specs = (0..).map_while(|index| segment.element.input_spec(index));
+            (segment.first_input as usize..).zip(specs).all(|(slot, spec)| takes(slot, &spec))
+        });
+        let of_climate = |slot| self.climate.spec_of(slot).is_none_or(|spec| takes(slot, &spec));
+        of_segments && (0..self.inputs.len()).all(of_climate)
+    }
+
     /// What all elements that read a slot allow; `None` where none does.
     pub(crate) fn range_of(&self, slot: usize) -> Option<(f32, f32)> {
         let mut range = self.climate.spec_of(slot).map(|spec| (spec.min, spec.max));

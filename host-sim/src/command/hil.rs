@@ -11,7 +11,7 @@ use crate::coupling;
 use crate::hil::operator;
 use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
-use crate::hil::replay::replay;
+use crate::hil::replay::{ROW_S, replay};
 use crate::hil::report::write_report;
 use crate::hil::runner::{self, Job, Loopback, RecordWishes};
 use crate::hil::watch;
@@ -181,6 +181,9 @@ fn record_wishes(
     if folder.is_none() && !triggers.is_empty() {
         return Err(refused("needs --record"));
     }
+    if every.us() > ROW_S * 1_000_000 {
+        return Err(Failure::BadInput(format!("--every: a row stands for {ROW_S} s at most")));
+    }
     let in_ticks = |time: Duration| time.us() / u64::from(step_us).max(1);
     Ok(folder.map(|folder| RecordWishes {
         folder: folder.clone(),
@@ -200,8 +203,12 @@ pub(super) fn run_replay(args: &ReplayArgs, out: &mut dyn Write) -> Result<(), F
     } else {
         writeln!(out, "{} steps", replayed.steps)?;
         writeln!(out, "state hash  {}", replayed.state_hash)?;
-        writeln!(out, "recorded    {}", replayed.recorded_hash)?;
-        writeln!(out, "{}", if replayed.agrees() { "the same" } else { "NOT the same" })?;
+        if let Some(recorded) = &replayed.recorded_hash {
+            writeln!(out, "recorded    {recorded}")?;
+            writeln!(out, "{}", if replayed.agrees() { "the same" } else { "NOT the same" })?;
+        } else {
+            writeln!(out, "the record was not ended: this is as far as it goes, with nothing to compare")?;
+        }
     }
     if replayed.agrees() { Ok(()) } else { Err(Failure::Reported) }
 }

@@ -8,7 +8,7 @@ mod trigger;
 pub use decimate::{Bucket, Decimator};
 pub use trigger::{Capture, Captured, Trigger};
 
-pub(super) use container::{INPUTS, NETWORK, RUN, START};
+pub(super) use container::{BEGIN, INPUTS, NETWORK, PLANT, RUN, START};
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -42,6 +42,8 @@ pub struct Order<'a> {
     pub network: &'a str,
     /// Checkpoint of the start.
     pub start: &'a [u8],
+    /// What is known of the run when it begins.
+    pub begin: &'a BTreeMap<String, String>,
 }
 
 /// Files that are being written.
@@ -77,8 +79,9 @@ impl Recorder {
         table::write_names(&mut rows, order.names, order.every)
             .map_err(|error| Failure::file("write", &csv, &error))?;
         let file = BufWriter::new(File::create_new(&mcap).map_err(|error| made(&mcap, error))?);
-        let container = Container::new(file, order.names, order.epoch_ns, order.network, order.start)
-            .map_err(|error| Failure::Failed(format!("cannot write {}: {error}", mcap.display())))?;
+        let container =
+            Container::new(file, order.names, order.epoch_ns, order.network, order.start, order.begin)
+                .map_err(|error| Failure::Failed(format!("cannot write {}: {error}", mcap.display())))?;
         let capture = Capture::new(order.triggers, order.names, order.before, order.after)
             .map_err(|error| Failure::BadInput(format!("--capture: {error}")))?;
         Ok(Self {
@@ -142,6 +145,13 @@ impl Recorder {
             table::write_row(file, row)?;
         }
         self.container.captured(row)
+    }
+
+    /// Hands everything that was taken to the system, so that it outlives this program.
+    pub fn flush(&mut self) -> Result<(), Failure> {
+        let flushed = self.rows.flush().and_then(|()| self.captured.as_mut().map_or(Ok(()), Write::flush));
+        let flushed = flushed.map_err(mcap::McapError::from).and_then(|()| self.container.flush());
+        flushed.map_err(|error| failed(&self.folder, &error))
     }
 
     /// Writes an event down.

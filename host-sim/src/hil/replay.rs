@@ -1,14 +1,20 @@
 //! Replay: a recorded run is run again, from its start with its inputs, and must end in the same state to the bit.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use eclss_core::{Health, LiveInput, Method, Settings, Simulator};
-use mcap::{MessageStream, Summary};
+use mcap::McapError;
+use mcap::read::{LinearReader, Options};
+use mcap::records::Record;
 use serde::{Deserialize, Serialize};
 
-use super::recorder::{INPUTS, NETWORK, RUN, START};
+use super::recorder::{BEGIN, INPUTS, NETWORK, PLANT, RUN, START};
 use crate::refusal::refused;
 use crate::{Failure, HostBuffers, Source};
+
+/// Check sum of a chunk.
+static CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -17,14 +23,14 @@ pub struct Replayed {
     pub steps: u64,
     /// Hash over the state at the end, hexadecimal.
     pub state_hash: String,
-    /// The same as it was recorded.
-    pub recorded_hash: String,
+    /// The same as it was recorded; `None` where the record was not ended, as when its program was killed.
+    pub recorded_hash: Option<String>,
 }
 
 impl Replayed {
     /// Whether both are the same.
     pub fn agrees(&self) -> bool {
-        self.state_hash == self.recorded_hash
+        self.recorded_hash.as_ref() == Some(&self.state_hash)
     }
 }
 
@@ -79,55 +85,152 @@ impl Replay<'_> {
     }
 }
 
-/// Replays the record at `path`.
+/// Time that one row of a record stands for at most [s]: what bounds the steps of a replay by the record's size.
+pub const ROW_S: u64 = 60;
+
+/// What of a record is not a message.
+#[derive(Default)]
+struct Tape {
+    begin: Option<BTreeMap<String, String>>,
+    run: Option<BTreeMap<String, String>>,
+    network: Option<Vec<u8>>,
+    start: Option<Vec<u8>>,
+    topics: BTreeMap<u16, String>,
+    rows: u64,
+    /// Steps of the plant in the newest row.
+    plant_tick: u64,
+    /// Whether the record stops in the middle: whoever wrote it was killed, or its disk was full.
+    torn: bool,
+}
+
+/// What a replay reads of a row.
+#[derive(Debug, Deserialize)]
+struct Rest {
+    plant_tick: u64,
+}
+
+impl Tape {
+    /// Goes through the records of a file, and hands over the messages of `topic`. Chunks are not compressed.
+    fn read(
+        bytes: &[u8],
+        mut message: impl FnMut(&Self, &str, &[u8]) -> Result<(), String>,
+    ) -> Result<Self, String> {
+        let mut tape = Self::default();
+        let reader = LinearReader::new_with_options(bytes, Options::IgnoreEndMagic.into());
+        for record in reader.map_err(|error| error.to_string())? {
+            match record {
+                Ok(Record::Chunk { header, data }) => {
+                    let sound =
+                        header.compression.is_empty() && header.uncompressed_size == data.len() as u64;
+                    let crc = header.uncompressed_crc;
+                    if !sound || (crc != 0 && CRC.checksum(&data) != crc) {
+                        return Err("a chunk of it is damaged".into());
+                    }
+                    for record in LinearReader::sans_magic(&data) {
+                        tape.take(record.map_err(|error| error.to_string())?, &mut message)?;
+                    }
+                }
+                Ok(Record::DataEnd(_)) => return Ok(tape),
+                Ok(record) => tape.take(record, &mut message)?,
+                // A record that is longer than what is left of the file.
+                Err(
+                    McapError::UnexpectedEof | McapError::UnexpectedEoc | McapError::RecordTooLarge { .. },
+                ) => break,
+                Err(error) => return Err(error.to_string()),
+            }
+        }
+        tape.torn = true;
+        Ok(tape)
+    }
+
+    fn take(
+        &mut self,
+        record: Record<'_>,
+        message: &mut impl FnMut(&Self, &str, &[u8]) -> Result<(), String>,
+    ) -> Result<(), String> {
+        match record {
+            Record::Channel(channel) => {
+                self.topics.insert(channel.id, channel.topic);
+            }
+            Record::Metadata(metadata) if metadata.name == BEGIN => self.begin = Some(metadata.metadata),
+            Record::Metadata(metadata) if metadata.name == RUN => self.run = Some(metadata.metadata),
+            Record::Attachment { header, data, .. } if header.name == NETWORK => {
+                self.network = Some(data.into_owned());
+            }
+            Record::Attachment { header, data, .. } if header.name == START => {
+                self.start = Some(data.into_owned())
+            }
+            Record::Message { header, data } => {
+                let topic = self.topics.get(&header.channel_id).cloned().unwrap_or_default();
+                if topic == PLANT {
+                    let Rest { plant_tick } =
+                        serde_json::from_slice(&data).map_err(|error| error.to_string())?;
+                    self.rows += 1;
+                    self.plant_tick = plant_tick;
+                }
+                message(self, &topic, &data)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// Replays the record at `path`: all of it, or as far as it goes where it was not ended.
 pub fn replay(path: &Path) -> Result<Replayed, Failure> {
     let bad = |why: &str| Failure::BadInput(format!("{}: {why}", path.display()));
-    let broken = |error: mcap::McapError| bad(&error.to_string());
     let bytes = std::fs::read(path).map_err(|error| bad(&format!("cannot be read: {error}")))?;
-    let summary = Summary::read(&bytes).map_err(broken)?;
-    let summary = summary.ok_or_else(|| bad("the record was not ended; nothing says how the run did"))?;
-    let run = summary.metadata_indexes.iter().find(|index| index.name == RUN);
-    let run = mcap::read::metadata(&bytes, run.ok_or_else(|| bad("not a record of eclss-rt"))?);
-    let run = run.map_err(broken)?.metadata;
-    if run.contains_key("watched") {
+    let tape = Tape::read(&bytes, |_, _, _| Ok(())).map_err(|why| bad(&why))?;
+    let run = tape.run.as_ref().filter(|_| !tape.torn);
+    let begin =
+        run.or(tape.begin.as_ref()).ok_or_else(|| bad("not a record of eclss-rt, or nothing of one"))?;
+    if begin.contains_key("watched") {
         return Err(bad(
             "a board was watched: what its plant started from is not in the record, so that there is nothing to replay",
         ));
     }
-    let told = |key: &str| run.get(key).ok_or_else(|| bad(&format!("its metadata lack `{key}`")));
-    let count = |key: &str| told(key)?.parse::<u64>().map_err(|_| bad(&format!("`{key}` is no number")));
-    let attached = |name: &str| {
-        let index = summary.attachment_indexes.iter().find(|index| index.name == name);
-        let index = index.ok_or_else(|| bad(&format!("`{name}` is not attached")))?;
-        mcap::read::attachment(&bytes, index).map(|part| part.data).map_err(broken)
+    let told = |map: &BTreeMap<String, String>, key: &str| {
+        map.get(key).cloned().ok_or_else(|| bad(&format!("its metadata lack `{key}`")))
     };
-    let dropped = count("rows_dropped")?;
+    let count = |map: &BTreeMap<String, String>, key: &str| {
+        told(map, key)?.parse::<u64>().map_err(|_| bad(&format!("`{key}` is no number")))
+    };
+    let attached = |part: &Option<Vec<u8>>, name: &str| {
+        part.clone().ok_or_else(|| bad(&format!("`{name}` is not attached")))
+    };
+    let dropped = run.map(|run| count(run, "rows_dropped")).transpose()?.unwrap_or(0);
     if dropped > 0 {
         let text = format!("{dropped} ticks are missing from it, so that it cannot be replayed");
         return Err(bad(&text));
     }
-    let source = Source::text(&attached(NETWORK)?, NETWORK, format!("{NETWORK} in {}", path.display()))?;
-    let method = Method::from_name(told("method")?).ok_or_else(|| bad("no such method"))?;
-    let step_us = u32::try_from(count("step_us")?).map_err(|_| bad("`step_us` is too large"))?;
+    let network = attached(&tape.network, NETWORK)?;
+    let source = Source::text(&network, NETWORK, format!("{NETWORK} in {}", path.display()))?;
+    let method = Method::from_name(&told(begin, "method")?).ok_or_else(|| bad("no such method"))?;
+    let step_us = u32::try_from(count(begin, "step_us")?).map_err(|_| bad("`step_us` is too large"))?;
     let settings = Settings { method, step_us };
     let network = source.loaded.network();
     let mut buffers = HostBuffers::default();
     let mut simulator =
         buffers.simulator(&network, settings).map_err(|error| refused(&source, settings, &error))?;
-    simulator.restore(&attached(START)?).map_err(|error| bad(&format!("{START}: {error}")))?;
+    let start = attached(&tape.start, START)?;
+    simulator.restore(&start).map_err(|error| bad(&format!("{START}: {error}")))?;
+    // As many steps as the rows can stand for, whatever the metadata say: no record is replayed for ever.
+    let most = (tape.rows + 1).saturating_mul(ROW_S * 1_000_000 / u64::from(step_us).max(1));
+    let most = run.map(|run| count(run, "rows")).transpose()?.unwrap_or(most).min(most);
     let live = (0..network.inputs.len()).map(|slot| simulator.live_input(slot).ok()).collect();
-    let mut replay = Replay { simulator, live, inputs: Inputs::default(), steps: 0, most: count("rows")? };
-    for message in MessageStream::new(&bytes).map_err(broken)? {
-        let message = message.map_err(broken)?;
-        if message.channel.topic == INPUTS {
-            let inputs = serde_json::from_slice(&message.data).map_err(|error| bad(&error.to_string()))?;
-            replay.take(inputs).map_err(|why| bad(&why))?;
+    let mut replay = Replay { simulator, live, inputs: Inputs::default(), steps: 0, most };
+    let play = |_: &Tape, topic: &str, data: &[u8]| {
+        if topic != INPUTS {
+            return Ok(());
         }
-    }
-    replay.until(count("steps")?).map_err(|why| bad(&why))?;
+        replay.take(serde_json::from_slice(data).map_err(|error| error.to_string())?)
+    };
+    Tape::read(&bytes, play).map_err(|why| bad(&why))?;
+    let last = run.map(|run| count(run, "steps")).transpose()?.unwrap_or(tape.plant_tick);
+    replay.until(last).map_err(|why| bad(&why))?;
     Ok(Replayed {
         steps: replay.steps,
         state_hash: format!("{:016x}", replay.simulator.state_hash()),
-        recorded_hash: told("state_hash")?.clone(),
+        recorded_hash: run.map(|run| told(run, "state_hash")).transpose()?,
     })
 }

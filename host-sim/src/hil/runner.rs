@@ -5,6 +5,7 @@ mod summary;
 mod wiring;
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::net::SocketAddr;
 use std::num::NonZeroU32;
@@ -32,6 +33,7 @@ use super::recorder::Trigger;
 use super::report::{ChannelFigures, Report};
 use super::shot::Camera;
 use super::tap::Tap;
+use crate::output::write_whole;
 use crate::refusal::refused;
 use crate::trace::Column;
 use crate::{Failure, HostBuffers, Source};
@@ -180,7 +182,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     let (link, tester) = open_tester(job.loopback.as_ref(), link).map_err(broken)?;
     let (page, camera) = open_page(source, job, out)?;
     // Last, so that no empty record is left behind by a run that was refused.
-    let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start)?;
+    let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start, &told(job.settings))?;
     let (giver, taker) = recorder.as_ref().map(|_| ring(layout, rows as usize)).unzip();
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
     let slots = layout.inputs;
@@ -217,10 +219,18 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     drop(keeper);
     let wall_s = started.elapsed().as_secs_f64();
     if let Some(path) = &job.checkpoint {
-        std::fs::write(path, &outcome.checkpoint).map_err(|error| Failure::file("write", path, &error))?;
+        write_whole(path, &outcome.checkpoint)?;
     }
     let seen = housekeeping.end(&outcome, job.settings)?;
     Ok(report(source, job, &outcome, seen, wall_s))
+}
+
+/// What a record says of the run from its begin on.
+fn told(settings: Settings) -> BTreeMap<String, String> {
+    BTreeMap::from([
+        ("method".to_owned(), settings.method.name().to_owned()),
+        ("step_us".to_owned(), settings.step_us.to_string()),
+    ])
 }
 
 /// Builds the loop in its own thread and runs it.

@@ -9,6 +9,7 @@ mod report;
 
 pub use report::{WatchReport, write_watch};
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -78,7 +79,8 @@ pub fn watch(source: &Source, job: &Job, out: &mut dyn Write) -> Result<WatchRep
     let epoch_ns = since.map_or(0, |since| since.as_nanos() as u64);
     let desk = Desk::new(loaded, job.settings.step_us);
     let columns = desk.columns();
-    let recorder = open_recorder(job.record.as_ref(), &columns, epoch_ns, &loaded.file.to_toml(), &[])?;
+    let recorder =
+        open_recorder(job.record.as_ref(), &columns, epoch_ns, &loaded.file.to_toml(), &[], &watched())?;
     let page = open_page(source, job, out)?;
     let row = Row { figures: vec![f32::NAN; columns.len()], ..Row::default() };
     let session = Session::new(config(source, job.settings.step_us), epoch_ns as u32 | 1);
@@ -246,11 +248,15 @@ impl Bench {
     }
 }
 
+/// What a record says of such a run.
+fn watched() -> BTreeMap<String, String> {
+    BTreeMap::from([("watched".to_owned(), "a board".to_owned())])
+}
+
 fn finish(recorder: Recorder, desk: &Desk) -> Result<RecordFigures, Failure> {
     let (rows, captures) = (recorder.taken(), recorder.captures());
-    let run =
-        [("watched".to_owned(), "a board".to_owned()), ("mode".to_owned(), desk.mode().name().to_owned())];
-    let files = recorder.finish(run.into(), 0)?;
+    let run = watched().into_iter().chain([("mode".to_owned(), desk.mode().name().to_owned())]).collect();
+    let files = recorder.finish(run, 0)?;
     let files = files.iter().map(|file| file.display().to_string()).collect();
     Ok(RecordFigures { files, rows, dropped: 0, captures })
 }

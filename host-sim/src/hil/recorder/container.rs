@@ -8,7 +8,7 @@
 //! | `/events` | captures and what pulled them |
 //!
 //! Attached are the network file (`network.toml`) and the state at the start (`start.eckp`); the metadata record
-//! `run` says what was run and how it ended. Messages are JSON with a schema, which every viewer of MCAP reads.
+//! `begin` says what is run, and `run` at the end how it ended. Messages are JSON with a schema, which every viewer of MCAP reads.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -22,13 +22,20 @@ use super::super::handover::Row;
 use super::decimate::Bucket;
 use super::table::mode_name;
 
+/// Size of a chunk, which is lost as a whole where it does not fit the disk [bytes].
+const CHUNK: u64 = 65_536;
+
 /// Name of the attached state at the start.
 pub(in super::super) const START: &str = "start.eckp";
 /// Name of the attached network.
 pub(in super::super) const NETWORK: &str = "network.toml";
+/// Topic of rows.
+pub(in super::super) const PLANT: &str = "/plant";
 /// Topic of inputs.
 pub(in super::super) const INPUTS: &str = "/inputs";
-/// Name of the metadata record.
+/// Name of the metadata record at the begin: what is run.
+pub(in super::super) const BEGIN: &str = "begin";
+/// Name of that at the end: how the run ended.
 pub(in super::super) const RUN: &str = "run";
 
 /// A file that is being written.
@@ -44,7 +51,7 @@ pub(super) struct Container<W: Write + Seek> {
 }
 
 /// The topics in the order of [`Container::topics`].
-const TOPICS: [&str; 4] = ["/plant", INPUTS, "/capture", "/events"];
+const TOPICS: [&str; 4] = [PLANT, INPUTS, "/capture", "/events"];
 
 impl<W: Write + Seek> Container<W> {
     /// Begins a file with the network and the state at the start.
@@ -54,8 +61,14 @@ impl<W: Write + Seek> Container<W> {
         epoch_ns: u64,
         network: &str,
         start: &[u8],
+        begin: &BTreeMap<String, String>,
     ) -> McapResult<Self> {
-        let options = WriteOptions::new().compression(None).library("eclss-rt");
+        // Chunks are written as a whole, so that what a run that was killed or a disk that is full leaves behind can be read.
+        let options = WriteOptions::new()
+            .compression(None)
+            .disable_seeking(true)
+            .chunk_size(Some(CHUNK))
+            .library("eclss-rt");
         let mut writer = options.create(file)?;
         let number = |name: &String| (name.clone(), json!({ "type": "number" }));
         let ends = |end: &'static str| names.iter().map(move |name| format!("{name}{end}"));
@@ -87,6 +100,8 @@ impl<W: Write + Seek> Container<W> {
                 data: Cow::Borrowed(data),
             })?;
         }
+        writer.write_metadata(&Metadata { name: BEGIN.to_owned(), metadata: begin.clone() })?;
+        writer.flush()?;
         let names = names.to_vec();
         Ok(Self { writer, names, topics, sequence: 0, epoch_ns, inputs: Vec::new(), plant_tick: None })
     }
@@ -145,6 +160,11 @@ impl<W: Write + Seek> Container<W> {
     /// Writes an event.
     pub(super) fn event(&mut self, begun_us: u64, tick: u64, event: &str) -> McapResult<()> {
         self.write(3, begun_us, &json!({ "tick": tick, "event": event }))
+    }
+
+    /// Closes the present chunk and hands everything to the system.
+    pub(super) fn flush(&mut self) -> McapResult<()> {
+        self.writer.flush()
     }
 
     /// Ends the file with what is known of the run.

@@ -1,10 +1,10 @@
 //! What happens beside the loop and never holds it up: record, display, operator.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
 
 use eclss_core::Settings;
 use eclss_core::mode::{Cause, Mode, Request};
@@ -12,7 +12,7 @@ use eclss_target::account::Account;
 use eclss_target::control::Event;
 use rtrb::{Consumer, Producer};
 
-use super::{Job, Outcome, Seen, cause};
+use super::{Job, Outcome, Seen, cause, told};
 use crate::Failure;
 use crate::hil::arming::Arming;
 use crate::hil::board::Order;
@@ -27,6 +27,8 @@ use crate::hil::shot::Album;
 /// Status events between two lines of the display, and between two attempts to arm.
 const SHOW_EVERY: u32 = 10;
 
+/// Time between two moments at which the record is handed to the system.
+const FLUSH: Duration = Duration::from_secs(1);
 /// Typed orders that may wait for the loop.
 const FEW_ORDERS: usize = 4;
 
@@ -39,6 +41,7 @@ pub(super) struct Housekeeping<'o> {
     /// Why the record ended early.
     failed: Option<Failure>,
     rows: Option<Taker>,
+    flushed: Instant,
     events: Consumer<Event>,
     orders: Producer<Order>,
     typed: Option<Receiver<String>>,
@@ -69,6 +72,7 @@ impl<'o> Housekeeping<'o> {
             recorder,
             failed: None,
             rows,
+            flushed: Instant::now(),
             events,
             orders,
             typed: job.operator.then(type_along),
@@ -87,18 +91,7 @@ impl<'o> Housekeeping<'o> {
         while let Ok(event) = self.events.pop() {
             self.event(event);
         }
-        if let Some(rows) = &mut self.rows {
-            while let Some(row) = rows.take() {
-                self.begun_us = row.head.begun_us;
-                if let Some(recorder) = &mut self.recorder
-                    && let Err(failure) = recorder.row(row)
-                {
-                    // The loop goes on: hardware does not care for the record.
-                    self.failed = Some(failure);
-                    self.recorder = None;
-                }
-            }
-        }
+        self.record();
         if let Some((page, album)) = &mut self.page {
             album.look(|shot| page.show(shot));
         }
@@ -106,6 +99,30 @@ impl<'o> Housekeeping<'o> {
         // The ring is never full for long: typed orders leave room.
         if self.interrupted.load(Ordering::Relaxed) && self.orders.push(Order::Quit).is_ok() {
             self.interrupted.store(false, Ordering::Relaxed);
+        }
+    }
+
+    /// Writes down what has come, and once a second hands it to the system, for whom the end of this program is none.
+    fn record(&mut self) {
+        let Some(rows) = &mut self.rows else { return };
+        let mut done = Ok(());
+        while let Some(row) = rows.take() {
+            self.begun_us = row.head.begun_us;
+            if let Some(recorder) = self.recorder.as_mut().filter(|_| done.is_ok()) {
+                done = recorder.row(row);
+            }
+        }
+        if let Some(recorder) = self.recorder.as_mut().filter(|_| done.is_ok())
+            && self.flushed.elapsed() >= FLUSH
+        {
+            self.flushed = Instant::now();
+            done = recorder.flush();
+        }
+        if let Err(failure) = done {
+            // The loop goes on: hardware does not care for the record.
+            self.recorder = None;
+            self.show(&format!("the record ends here: {failure}"));
+            self.failed = Some(failure);
         }
     }
 
@@ -216,9 +233,8 @@ impl<'o> Housekeeping<'o> {
         let mut record = None;
         if let Some(recorder) = self.recorder.take() {
             let (rows, captures) = (recorder.taken(), recorder.captures());
-            let run = BTreeMap::from([
-                ("method".to_owned(), settings.method.name().to_owned()),
-                ("step_us".to_owned(), settings.step_us.to_string()),
+            let mut run = told(settings);
+            run.extend([
                 ("steps".to_owned(), outcome.plant_ticks.to_string()),
                 ("state_hash".to_owned(), format!("{:016x}", outcome.state_hash)),
                 ("mode".to_owned(), self.mode.name().to_owned()),

@@ -1,5 +1,6 @@
 //! What is opened before the loop begins: record, tester, page, and the process image that runs.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use eclss_core::process::Image;
@@ -21,6 +22,7 @@ pub(in crate::hil) fn open_recorder(
     epoch_ns: u64,
     network: &str,
     start: &[u8],
+    begin: &BTreeMap<String, String>,
 ) -> Result<Option<Recorder>, Failure> {
     let open = |wishes: &RecordWishes| {
         Recorder::new(&Order {
@@ -33,6 +35,7 @@ pub(in crate::hil) fn open_recorder(
             epoch_ns,
             network,
             start,
+            begin,
         })
     };
     wishes.map(open).transpose()
