@@ -29,13 +29,13 @@ pub(crate) use buffers::{Running, sizes};
 pub use crew::Crew;
 pub(crate) use density::virtual_k;
 pub use exchanger::{Exchanger, ExchangerReadings};
-pub use observe::Ledger;
-pub(crate) use observe::Observed;
+pub use observe::{Ledger, Readings};
+pub(crate) use observe::{Observed, VolumeView};
 pub use parts::{Passage, Remover, Source, Station, Wall};
-pub use regulation::{ControlLoop, Measure};
+pub use regulation::ControlLoop;
 pub(crate) use step::{Given, Stepped, control, start, step, supply};
 pub(crate) use supply::Supplied;
-pub use volume::{Contents, Readings, Volume};
+pub use volume::{Contents, Volume};
 
 use self::medium::{Medium, PARTS};
 use crate::element::{Element, InputSpec, ParameterError, Reason};
@@ -144,7 +144,7 @@ impl Climate<'_> {
         if self.is_none() { 1.0 } else { self.isentropic(node) * 1.034 * hottest / node.temperature_k }
     }
 
-    fn holds(&self, node: u32, contents: Contents) -> bool {
+    pub(crate) fn holds(&self, node: u32, contents: Contents) -> bool {
         self.volumes.get(node as usize).is_some_and(|volume| volume.contents == contents)
     }
 
@@ -329,7 +329,7 @@ impl Climate<'_> {
             };
             let opposite = control.opposite == ControlLoop::NONE
                 || (control.opposite != control.drives && driven(control.opposite));
-            let measures = control.measure.exists(self);
+            let measures = self.can_measure(control.measures);
             if !(measures && driven(control.drives) && opposite) {
                 return Err(ClimateError::LoopTarget(index));
             }

@@ -47,6 +47,7 @@ pub mod process;
 #[cfg(feature = "protocol")]
 pub mod protocol;
 mod schedule;
+pub mod signal;
 mod simulator;
 mod storage;
 mod unroll;
@@ -60,6 +61,7 @@ pub use node::{Node, NodeKind};
 pub use operator::{Margin, Proof};
 pub use plan::{End, Plan, PlanError};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
+pub use signal::{Output, Signal};
 pub use simulator::{
     BuildError, CheckpointError, Compiled, CompiledSimulator, Excursion, Fault, Health, InputError,
     LiveInput, Place, Settings, Simulator, Strayed,

@@ -1,7 +1,7 @@
-//! Process image: the list of named signals between plant and hardware.
+//! Process image: the list of named channels between plant and hardware.
 //!
 //! An *input* brings a value from hardware to one of the network's input slots, an *output* brings one of the
-//! plant's points to hardware. A channel's description ([`InputChannel`], [`OutputChannel`]) is constant data from
+//! plant's signals to hardware. A channel's description ([`InputChannel`], [`OutputChannel`]) is constant data from
 //! the network file; names live with whoever made it. What changes is small: one [`InputState`] or
 //! [`OutputState`] a channel.
 //!
@@ -15,7 +15,7 @@ mod input;
 mod mover;
 mod output;
 
-pub use channel::{Calibration, Hold, InputChannel, OutputChannel, Point, Port, Scaling};
+pub use channel::{Calibration, Hold, InputChannel, OutputChannel, Port, Scaling};
 pub use curve::Curve;
 pub use input::{Applied, InputState, Rejected};
 use mover::Mover;
@@ -23,7 +23,7 @@ pub use output::OutputState;
 
 use crate::element::ParameterError;
 use crate::mode::Conduct;
-use crate::{Fingerprint, InputError, Network};
+use crate::{Fingerprint, InputError, Network, Signal};
 
 /// Most channels in each direction.
 pub const CHANNELS: usize = 64;
@@ -106,8 +106,8 @@ pub enum ProcessError {
     SlotTwice(u16),
     /// An input channel's range is wider than the slot's.
     SlotRange(u16),
-    /// An output channel names a point that does not exist.
-    Point(u16),
+    /// An output channel names a signal that does not exist.
+    Signal(u16),
     /// A channel in this direction names a converter that no board has.
     Converter(Direction, u16),
     /// Two output channels go to one converter.
@@ -192,8 +192,8 @@ impl Image<'_> {
         }
         for (index, channel) in (0u16..).zip(self.outputs) {
             channel.check().map_err(|error| ProcessError::Output(index, error))?;
-            if !channel.point.exists(network) {
-                return Err(ProcessError::Point(index));
+            if !network.publishes(channel.signal) {
+                return Err(ProcessError::Signal(index));
             }
             if !channel.port.exists() {
                 return Err(ProcessError::Converter(Direction::Out, index));
@@ -282,10 +282,10 @@ impl<'a> Process<'a> {
             .map(|(channel, state)| (channel.slot, state.applied().within(channel, self.step_s)))
     }
 
-    /// Makes what goes out of the plant's points. `value` gives a point's value in its unit.
-    pub fn emit(&mut self, mut value: impl FnMut(Point) -> f32, conduct: &Conduct) {
+    /// Makes what goes out of the plant's signals. `value` gives a signal's value in its unit.
+    pub fn emit(&mut self, mut value: impl FnMut(Signal) -> f32, conduct: &Conduct) {
         for (state, channel) in self.outputs.iter_mut().zip(self.image.outputs) {
-            state.emit(channel, value(channel.point), self.step_s, conduct.outputs);
+            state.emit(channel, value(channel.signal), self.step_s, conduct.outputs);
         }
     }
 
@@ -326,7 +326,7 @@ impl<'a> Process<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Interpolation, Schedule, SchedulePoint, example};
+    use crate::{Interpolation, Output, Schedule, SchedulePoint, example};
 
     const VALVE: InputChannel<'_> = InputChannel {
         slot: 1,
@@ -346,7 +346,7 @@ mod tests {
         essential: true,
     };
     const FLOW: OutputChannel<'_> = OutputChannel {
-        point: Point::LineFlow(0),
+        signal: Output::MassFlow.of(0),
         port: Port::Analog(0),
         scaling: Scaling::NONE,
         min: 0.0,
@@ -377,8 +377,8 @@ mod tests {
             Err(ProcessError::Converter(Direction::Out, 0))
         );
         assert_eq!(check(&[], &[FLOW, FLOW]), Err(ProcessError::ConverterTwice(1)));
-        let point = Point::NodeGauge(7);
-        assert_eq!(check(&[], &[OutputChannel { point, ..FLOW }]), Err(ProcessError::Point(0)));
+        let signal = Output::Pressure.of(7);
+        assert_eq!(check(&[], &[OutputChannel { signal, ..FLOW }]), Err(ProcessError::Signal(0)));
     }
 
     /// What the simulator would not take from a channel is no channel's to drive.

@@ -105,7 +105,7 @@ export class Controls {
     const slider = document.createElement("input");
     // What spans decades is typed, in the unit shown.
     const typed = input.max - input.min > 1000 || input.unit === "kg/s" && input.min < 0 || input.unit === "m³/s";
-    const unit = () => unitFor(input.id, input.unit);
+    const unit = () => unitFor(input);
     Object.assign(slider, { type: typed ? "number" : "range", id: `input-${number}` });
     if (!typed) Object.assign(slider, { min: input.min, max: input.max });
     const whole = input.id.endsWith(".count") || input.id.endsWith(".activity");
@@ -186,11 +186,11 @@ export class Controls {
         if (BROKEN.has(state)) this.say(`${input.id} is broken: ${malfunctions(input.id)[state] ?? state}`);
         else if (BROKEN.has(was)) this.say(`${input.id} is repaired`);
       }
-      const shown = write(value, unitFor(input.id, input.unit));
+      const shown = write(value, unitFor(input));
       if (row.value.textContent !== shown) row.value.textContent = shown;
       // While a hand is on the slider the plant does not move it.
       if (performance.now() - row.held > 500 && document.activeElement !== row.slider && Number.isFinite(value)) {
-        const { of } = unitFor(input.id, input.unit);
+        const { of } = unitFor(input);
         row.slider.value = row.typed ? Number(of(value).toPrecision(6)) : value;
         row.slider.setAttribute("aria-valuetext", shown);
       }

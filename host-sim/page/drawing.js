@@ -114,8 +114,7 @@ export class Drawing {
       group.style.setProperty("--slowed", bent(at(`${node.id}.phi`) ?? 1));
     });
     const states = new Map(network.inputs.map((input, k) => [input.id, frame.inputs[k]]));
-    const units = new Map(network.inputs.map((input) => [input.id, input.unit]));
-    const inputs = new Map(network.inputs.map((input) => [input.id.slice(0, input.id.lastIndexOf(".")), input.id]));
+    const inputs = new Map(network.inputs.map((input) => [input.id.slice(0, input.id.lastIndexOf(".")), input]));
     let largest = 1e-9;
     let element = 0;
     network.lines.forEach((line, number) => {
@@ -128,9 +127,9 @@ export class Drawing {
       own.wire.classList.toggle("fault", badLine === number);
       for (const [id] of line.elements) {
         const input = inputs.get(id);
-        const broken = input && !["free", "scheduled", "controlled"].includes(states.get(input));
+        const broken = input && !["free", "scheduled", "controlled"].includes(states.get(input.id));
         this.find(`e${element}`).classList.toggle("broken", Boolean(broken));
-        put(`e${element}a`, input ? write(at(input), unitFor(input, units.get(input))) : "");
+        put(`e${element}a`, input ? write(at(input.id), unitFor(input)) : "");
         const outlet = at(`${id}.outlet_pressure`);
         put(`e${element}b`, outlet === null ? "" : write(outlet, gauge()));
         element += 1;

@@ -53,6 +53,7 @@ async function build() {
     const name = document.createElement("th");
     name.scope = "row";
     name.textContent = value.id;
+    name.title = value.label;
     row.append(name, document.createElement("td"));
     return row;
   }));
@@ -114,7 +115,7 @@ function inlets(network) {
 /** The unit of a published value in the present frame. */
 function unitOf(built, value, rho) {
   const inlet = built.inlets.get(value.id.slice(0, value.id.lastIndexOf(".")));
-  return unitFor(value.id, value.unit, inlet === undefined ? undefined : rho(inlet));
+  return unitFor(value, inlet === undefined ? undefined : rho(inlet));
 }
 
 /** What makes figures of a node doubtful though the run goes on, in words. */
@@ -152,9 +153,7 @@ function table(built, frame) {
   const rho = densityAt(built, frame);
   built.network.values.forEach((value, place) => {
     const unit = unitOf(built, value, rho);
-    const absolute = value.unit === "Pa" && value.id.endsWith(".pressure") ? built.network.reference_pa : 0;
-    const number = frame.values[place];
-    rows[place].lastChild.textContent = number === null ? "–" : write(number + absolute, unit);
+    rows[place].lastChild.textContent = write(frame.values[place], unit);
   });
 }
 

@@ -60,27 +60,28 @@ const plain = (unit) => ({ unit: unit === "1" ? "" : unit, of: (number) => numbe
 
 export const density = (pa, kelvin) => pa / (GAS_CONSTANT * kelvin);
 
-const PARTS = new Set(["oxygen", "carbon_dioxide", "vapour", "nitrogen", "trace"]);
-const TRICKLES = new Set([...PARTS, "liquid", "condensate"]);
-
 /** What is published for a quantity that was typed in the unit shown. */
 export const back = (shown, unit) => (shown - unit.of(0)) / (unit.of(1) - unit.of(0));
 
-/** A unit of pressure with the word that says from where it counts. */
-const named = (unit, from) => ({ ...unit, unit: `${unit.unit} ${from}`, large: unit.large && named(unit.large, from) });
+/** Units by the form that the plant publishes with a value or an input; `at` is the density of what flows [kg/m³]. */
+const FORMS = {
+  gauge_pressure: () => ({ ...gauge(), datum: "gauge" }),
+  absolute_pressure: () => ({ ...pressure(), datum: "abs" }),
+  partial_pressure: partial,
+  pressure_difference: gauge,
+  mass_flow: flow,
+  liquid_flow: () => flow(null),
+  trickle,
+  volume_flow: stream,
+  temperature,
+  temperature_difference: warmth,
+  mass,
+  ratio,
+  count: () => ({ ...plain("1"), digits: 1 }),
+};
 
-/** The unit for a published value, by its id and SI unit. */
-export function unitFor(id, unit, at) {
-  const what = id.slice(id.lastIndexOf(".") + 1);
-  if (unit === "kg/s") return TRICKLES.has(what) ? trickle() : flow(what === "coolant_flow" ? null : at);
-  if (unit === "Pa") return what === "pressure" ? named(pressure(), "abs") : what === "setpoint" ? partial() : PARTS.has(what) ? partial() : named(gauge(), "gauge");
-  if (unit === "K") return what === "sensor_bias" ? warmth() : temperature();
-  if (unit === "kg") return mass();
-  if (unit === "m³/s") return stream();
-  if (unit === "1" && (what === "opening" || what === "speed" || what === "mixed" || what.endsWith("humidity") || what.endsWith("efficiency"))) return ratio();
-  if (what === "count" || what === "activity") return { ...plain(unit), digits: 1 };
-  return plain(unit);
-}
+/** The unit for a published value or an input. */
+export const unitFor = ({ display, unit }, at) => (FORMS[display] ?? (() => plain(unit)))(at);
 
 /** Plant time [s]; from ten minutes on as hours, minutes and seconds. */
 export function clock(seconds) {
@@ -92,7 +93,7 @@ export function clock(seconds) {
 /** A value with its unit. */
 export function write(number, unit) {
   if (number === null || number === undefined || !Number.isFinite(number)) return "–";
-  if (unit.large && Math.abs(unit.of(number)) >= 1e4) return write(number, unit.large);
+  if (unit.large && Math.abs(unit.of(number)) >= 1e4) return write(number, { ...unit.large, datum: unit.datum });
   const value = unit.of(number);
-  return `${show(value, unit.fixed ? unit.digits : digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}`;
+  return `${show(value, unit.fixed ? unit.digits : digitsFor(value, unit.digits))}${unit.unit ? ` ${unit.unit}` : ""}${unit.datum ? ` ${unit.datum}` : ""}`;
 }

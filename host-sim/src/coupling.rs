@@ -11,8 +11,8 @@ pub use delay::{Loop, mean_over_step};
 
 use eclss_core::element::Element as _;
 use eclss_core::process::{Hold, InputChannel, Order};
-use eclss_core::{Method, NodeKind, Settings, StdElement};
-use eclss_network_file::{Loaded, Quantity};
+use eclss_core::{Method, NodeKind, Output, Settings, StdElement};
+use eclss_network_file::Loaded;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::Serialize;
 
@@ -99,11 +99,8 @@ pub fn examine(loaded: &Loaded, settings: Settings, extra_ticks: u32) -> Couplin
         };
         pair.causality = Causality::PressureOutFlowIn;
         for node in [line.from, line.to] {
-            let seen = |output: &&eclss_network_file::OutputEntry| {
-                loaded.all_records().iter().any(|record| {
-                    record.name == output.name && record.quantity == Quantity::NodePressure { node }
-                })
-            };
+            let pressure = Output::Pressure.of(node);
+            let seen = |output: &&eclss_network_file::OutputEntry| output.channel().signal == pressure;
             let name = loaded.names.nodes.get(node).map_or("?", String::as_str);
             match loaded.process.outputs.iter().find(seen) {
                 Some(output) => pair.outputs.push(output.name.clone()),

@@ -19,7 +19,7 @@ pub use watch::Breach;
 use eclss_core::{Health, Proof, Simulator};
 
 use crate::refusal::refused;
-use crate::trace::{Column, Trace};
+use crate::trace::{Trace, columns};
 use crate::{Failure, HostBuffers, Progress, Source};
 
 /// Rows that a record holds at most, unless an interval was asked for.
@@ -34,7 +34,7 @@ pub fn execute(source: &Source, plan: &Plan, progress: &Progress) -> Result<(Run
     let mut buffers = HostBuffers::default();
     let simulator = buffers.simulator(&network, plan.settings);
     let mut simulator = simulator.map_err(|error| refused(source, plan.settings, &error))?;
-    let columns = Column::all(&loaded.records);
+    let columns = columns(loaded);
     let every = interval(plan, columns.len() as u64)?;
     let mut trace = Trace::new(columns, every);
     let mut snapshots = Vec::new();

@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout as Memory, System};
 use std::cell::Cell;
 
 use crate::bench::{config, controller, job, network, place, settled};
+use eclss_core::Signal;
 use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::protocol::{Link as Session, Role};
 use eclss_host_sim::HostBuffers;
@@ -13,7 +14,7 @@ use eclss_host_sim::hil::plant::HostPlant;
 use eclss_host_sim::hil::runner::drive;
 use eclss_host_sim::hil::shot::camera;
 use eclss_host_sim::hil::tap::Tap;
-use eclss_host_sim::trace::Column;
+use eclss_host_sim::trace::columns;
 use eclss_target::control::Event;
 use eclss_target::coupling::Coupling;
 use eclss_target::wire::{Address, open};
@@ -73,11 +74,12 @@ fn the_loop_allocates_nothing() {
     let mut buffers = HostBuffers::default();
     let mut simulator = buffers.simulator(&described, job.settings).unwrap();
     simulator.restore(&settled(&source, step_us)).unwrap();
-    let columns = Column::all(&loaded.records);
-    let layout = Layout { inputs: described.inputs.len(), figures: columns.len() };
+    let signals: Vec<Signal> = columns(loaded).iter().map(|column| column.signal).collect();
+    let layout = Layout { inputs: described.inputs.len(), figures: signals.len() };
     let (giver, mut taker) = ring(layout, 4_096);
-    let shots = (loaded.all_records().len(), loaded.process.inputs.len() + loaded.process.outputs.len());
-    let (camera, mut album) = camera(loaded, shots.0, shots.1, 25);
+    let shown = loaded.standard_signals().iter().map(|named| named.signal).collect();
+    let channels = loaded.process.inputs.len() + loaded.process.outputs.len();
+    let (camera, mut album) = camera(loaded, shown, channels, 25);
     let (link, _keeper) = open(&address(true)).unwrap();
     // The controller's thread makes and cuts a session while the loop runs.
     let other = controller(&source, &address(false), step_us, 1_000);
@@ -87,7 +89,7 @@ fn the_loop_allocates_nothing() {
         let process = Process::new(image, 2e-3, &mut inputs, &mut outputs).unwrap();
         let session = Session::new(config(&source, Role::Plant, step_us), 5);
         let mut coupling = Coupling::new(process, 2e-3, Some(session));
-        let tap = Tap::new(columns, layout.inputs, Some(giver), Some(camera));
+        let tap = Tap::new(signals, layout.inputs, Some(giver), Some(camera));
         let mut plant = HostPlant::new(simulator, &tap);
         let (_orders_in, orders) = rtrb::RingBuffer::new(8);
         let mut board = Pc::new(&tap, Some(link), orders, (true, true), None);

@@ -54,8 +54,8 @@ mod plan;
 mod process;
 mod read;
 mod reason;
-mod record;
 mod rust;
+mod signal;
 pub mod steady;
 mod table;
 mod unrest;
@@ -71,7 +71,7 @@ pub use loaded::{ClimateTables, Loaded, Names, RunDefaults};
 pub use plan::PlanTables;
 pub use process::{InputEntry, OutputEntry, ProcessTables, Scales};
 pub use reason::bound_of_step;
-pub use record::{AirFigure, ExchangerFigure, Quantity, Record};
+pub use signal::NamedSignal;
 pub use unrest::{Places, Unrest, unrest};
 
 /// Reads and checks the text of a network file; `name` is the file name shown in errors.

@@ -2,6 +2,7 @@
 
 use eclss_core::climate::medium::Medium;
 use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Station, Volume, Wall};
+use eclss_core::signal::OutputSpec;
 use eclss_core::{
     Active, Climate, Line, Method, Network, Node, Responsive, Schedule, SchedulePoint, Segment,
 };
@@ -9,7 +10,7 @@ use eclss_core::{
 use crate::document::NetworkFile;
 use crate::plan::PlanTables;
 use crate::process::ProcessTables;
-use crate::record::Record;
+use crate::signal::NamedSignal;
 use crate::unrest::Places;
 
 /// A network that was read, checked and converted; owns what [`Network`] borrows.
@@ -21,8 +22,8 @@ pub struct Loaded {
     pub names: Names,
     /// Where they are named in the file.
     pub places: Places,
-    /// Units of the input slots.
-    pub units: Vec<&'static str>,
+    /// What every input slot publishes; set point and bias of a control are in the unit of what it measures.
+    pub input_specs: Vec<OutputSpec>,
     /// Smallest and largest value of every input slot, in its unit.
     pub ranges: Vec<(f32, f32)>,
     /// Heat, moisture, composition and control.
@@ -30,7 +31,7 @@ pub struct Loaded {
     /// How the network is run when nothing else is said.
     pub run: RunDefaults,
     /// What a run writes down, in the order of the file, else everything.
-    pub records: Vec<Record>,
+    pub records: Vec<NamedSignal>,
     /// Pressure from which gauge pressures count [Pa].
     pub reference_pa: f32,
     /// Nodes.
@@ -68,6 +69,8 @@ pub struct Names {
     pub inputs: Vec<String>,
     /// Ids of the condensers.
     pub exchangers: Vec<String>,
+    /// Ids of the control loops.
+    pub controls: Vec<String>,
 }
 
 /// The tables of a climate; without volumes there is none.

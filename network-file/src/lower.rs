@@ -5,8 +5,12 @@ mod power;
 
 use std::collections::{HashMap, HashSet};
 
+use eclss_core::climate::ControlLoop;
 use eclss_core::element::Operating;
-use eclss_core::{Active, Element, Fault, InputSpec, Line, Method, Node, NodeKind, Responsive, Segment, air};
+use eclss_core::signal::OutputSpec;
+use eclss_core::{
+    Active, Element, Fault, InputSpec, Line, Method, Network, Node, NodeKind, Plan, Responsive, Segment, air,
+};
 
 use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
 use crate::duration::duration_us;
@@ -20,7 +24,7 @@ use crate::number::single;
 use crate::plan::PlanTables;
 use crate::process;
 use crate::reason;
-use crate::record::{self, Record};
+use crate::signal::{self, NamedSignal};
 use crate::steady;
 use crate::unrest::Places;
 
@@ -46,11 +50,25 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         segments: tables.names,
         inputs: tables.slots.iter().map(|slot| slot.name.clone()).collect(),
         exchangers: climate.exchanger_names.clone(),
+        controls: file.controls.iter().map(|control| control.id.clone()).collect(),
     };
     let ranges = tables.slots.iter().map(|slot| (slot.spec.min, slot.spec.max)).collect();
-    let units: Vec<&'static str> = tables.slots.iter().map(|slot| slot.spec.unit).collect();
-    let all = record::all(&names, &tables.lines, &climate.volumes, &units);
     let specs: Vec<_> = tables.slots.iter().map(|slot| slot.spec).collect();
+    let input_specs = input_specs(&specs, &climate.loops);
+    let network = Network {
+        reference_pa: file.reference_pressure_pa as f32,
+        nodes: &nodes,
+        lines: &tables.lines,
+        segments: &tables.segments,
+        active: &tables.active,
+        responsive: &tables.responsive,
+        inputs: &driven.inputs,
+        schedules: &driven.schedules,
+        points: &driven.points,
+        plan: Plan::EMPTY,
+        climate: climate.climate(),
+    };
+    let all = signal::all(&network, &names, &input_specs);
     let process = process::lower(&file, &all, &specs, notes);
     let records = records(&file, all, notes);
     if !notes.findings.is_empty() {
@@ -59,7 +77,7 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
     let mut loaded = Loaded {
         names,
         places: Places::default(),
-        units,
+        input_specs,
         ranges,
         climate,
         run,
@@ -352,22 +370,39 @@ fn run_defaults(file: &NetworkFile, notes: &mut Notes) -> RunDefaults {
     RunDefaults { method: method.unwrap_or(Method::Relaxation), step_us, until_us }
 }
 
-fn records(file: &NetworkFile, all: Vec<Record>, notes: &mut Notes) -> Vec<Record> {
-    let Some(wanted) = &file.run.record else { return all };
-    let known: HashMap<&str, &Record> = all.iter().map(|record| (record.name.as_str(), record)).collect();
+/// What the input slots publish: as they are declared, except what a control takes in the unit of what it measures.
+fn input_specs(specs: &[InputSpec], loops: &[ControlLoop]) -> Vec<OutputSpec> {
+    let mut list: Vec<_> = specs.iter().map(OutputSpec::of_input).collect();
+    for control in loops {
+        let display = control.measures.spec().display;
+        for (spec, display) in
+            list.iter_mut().skip(control.first_input as usize).zip([display, display.difference()])
+        {
+            spec.display = display;
+        }
+    }
+    list
+}
+
+fn records(file: &NetworkFile, all: Vec<NamedSignal>, notes: &mut Notes) -> Vec<NamedSignal> {
+    let Some(wanted) = &file.run.record else {
+        return all.into_iter().filter(NamedSignal::is_standard).collect();
+    };
+    let known: HashMap<&str, &NamedSignal> =
+        all.iter().map(|signal| (signal.name.as_str(), signal)).collect();
     let mut seen = HashSet::new();
-    let mut list: Vec<Record> = Vec::with_capacity(wanted.len());
+    let mut list: Vec<NamedSignal> = Vec::with_capacity(wanted.len());
     for (index, name) in wanted.iter().enumerate() {
         let place = format!("run.record[{index}]");
         match known.get(name.as_str()) {
             Some(_) if !seen.insert(name) => {
                 notes.refuse_at(&place, &[], format!("`{name}` is recorded twice"));
             }
-            Some(&record) => list.push(record.clone()),
+            Some(&signal) => list.push(signal.clone()),
             None => {
                 let span = notes.place(&place, &[]);
-                let help = "points are like `cabin.pressure`, `loop.mass_flow`, `fan.outlet_pressure`, `valve.opening`";
-                notes.refuse_with(span, format!("there is no point `{name}` to record"), help);
+                let help = "signals are like `cabin.pressure`, `loop.mass_flow`, `fan.outlet_pressure`, `valve.opening`";
+                notes.refuse_with(span, format!("there is no signal `{name}` to record"), help);
             }
         }
     }

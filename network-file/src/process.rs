@@ -2,19 +2,18 @@
 
 use std::collections::HashMap;
 
-use eclss_core::InputSpec;
-use eclss_core::climate::Measure;
 use eclss_core::process::{
-    Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Point, Port,
-    ProcessError, Scaling,
+    Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Port, ProcessError,
+    Scaling,
 };
+use eclss_core::{InputSpec, Output, Signal};
 
 use crate::document::{ChannelEntry, NetworkFile};
 use crate::limits;
 use crate::loaded::Loaded;
 use crate::notes::Notes;
 use crate::reason;
-use crate::record::{AirFigure, ExchangerFigure, Quantity, Record};
+use crate::signal::NamedSignal;
 
 /// What a channel's scaling borrows.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -56,7 +55,7 @@ impl InputEntry {
 /// An output channel with its name and what it borrows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputEntry {
-    /// Name of the point, as in `loop.mass_flow`.
+    /// Name of the signal, as in `loop.mass_flow`.
     pub name: String,
     channel: OutputChannel<'static>,
     scales: Scales,
@@ -116,7 +115,7 @@ impl ProcessTables {
 /// Converts all channels.
 pub(crate) fn lower(
     file: &NetworkFile,
-    all: &[Record],
+    all: &[NamedSignal],
     specs: &[InputSpec],
     notes: &mut Notes,
 ) -> ProcessTables {
@@ -127,29 +126,29 @@ pub(crate) fn lower(
         }
         tables.safe_after_ticks = process.safe_after_ticks.unwrap_or(limits::SAFE_AFTER_TICKS) as u32;
     }
-    let points: HashMap<&str, Quantity> =
-        all.iter().map(|record| (record.name.as_str(), record.quantity)).collect();
+    let signals: HashMap<&str, Signal> =
+        all.iter().map(|named| (named.name.as_str(), named.signal)).collect();
     let mut bound: HashMap<(&str, &str), usize> = HashMap::new();
     for (index, entry) in file.channels.iter().enumerate() {
         let path = format!("channel[{index}]");
-        let Some(&quantity) = points.get(entry.bind.as_str()) else {
+        let Some(&signal) = signals.get(entry.bind.as_str()) else {
             let help =
-                "channels are bound to points like `cabin.pressure`, `loop.mass_flow`, `valve.opening`";
+                "channels are bound to signals like `cabin.pressure`, `loop.mass_flow`, `valve.opening`";
             let span = notes.place(&path, &["bind"]);
-            notes.refuse_with(span, format!("there is no point `{}`", entry.bind), help);
+            notes.refuse_with(span, format!("there is no signal `{}`", entry.bind), help);
             continue;
         };
         if bound.insert((&entry.bind, &entry.direction), index).is_some() {
             notes.refuse_at(&path, &["bind"], format!("`{}` has such a channel already", entry.bind));
         }
         if entry.direction == "in" {
-            let Quantity::Input { slot, .. } = quantity else {
+            if signal.output != Output::Input {
                 let reason = format!("`{}` is no input: only inputs take values from hardware", entry.bind);
                 notes.refuse_at(&path, &["bind"], reason);
                 continue;
-            };
-            tables.inputs.push(input(entry, slot as u32, &specs[slot], &path, notes));
-        } else if let Some(output) = output(entry, quantity, file, &path, notes) {
+            }
+            tables.inputs.push(input(entry, signal.owner, &specs[signal.owner as usize], &path, notes));
+        } else if let Some(output) = output(entry, signal, &path, notes) {
             tables.outputs.push(output);
         }
     }
@@ -184,25 +183,14 @@ fn input(entry: &ChannelEntry, slot: u32, spec: &InputSpec, path: &str, notes: &
     InputEntry { name: entry.bind.clone(), channel, scales: scales(entry, path, notes) }
 }
 
-fn output(
-    entry: &ChannelEntry,
-    quantity: Quantity,
-    file: &NetworkFile,
-    path: &str,
-    notes: &mut Notes,
-) -> Option<OutputEntry> {
+fn output(entry: &ChannelEntry, signal: Signal, path: &str, notes: &mut Notes) -> Option<OutputEntry> {
     let (Some(min), Some(max)) = (entry.min, entry.max) else {
         notes.refuse_at(path, &["bind"], "an output needs its range, `min` and `max`");
         return None;
     };
     let (min, max) = (min as f32, max as f32);
-    let Some(point) = point(quantity, file) else {
-        let reason = format!("`{}` is recorded, but no channel carries it yet", entry.bind);
-        notes.refuse_at(path, &["bind"], reason);
-        return None;
-    };
     let channel = OutputChannel {
-        point,
+        signal,
         port: port(entry),
         scaling: Scaling::NONE,
         min,
@@ -212,45 +200,6 @@ fn output(
         safe_rate_per_s: entry.safe_rate_per_s.map_or(max - min, |rate| rate as f32),
     };
     Some(OutputEntry { name: entry.bind.clone(), channel, scales: scales(entry, path, notes) })
-}
-
-/// The core counts segments over all lines, a record within its line.
-fn point(quantity: Quantity, file: &NetworkFile) -> Option<Point> {
-    let before =
-        |line: usize| file.lines.iter().take(line).map(|line| line.elements.len() as u32).sum::<u32>();
-    Some(match quantity {
-        Quantity::NodePressure { node } => Point::NodeGauge(node as u32),
-        Quantity::LineFlow { line } => Point::LineFlow(line as u32),
-        Quantity::SegmentFlow { line, segment } => {
-            Point::SegmentFlow { line: line as u32, segment: before(line) + segment as u32 }
-        }
-        Quantity::OutletPressure { line, segment } => {
-            Point::OutletGauge { line: line as u32, segment: before(line) + segment as u32 }
-        }
-        Quantity::Input { slot, .. } => Point::Input(slot as u32),
-        Quantity::Air { node, figure } => {
-            let node = node as u32;
-            match figure {
-                AirFigure::Temperature => Point::Measured(Measure::Temperature(node)),
-                AirFigure::DewPoint => Point::Measured(Measure::DewPoint(node)),
-                AirFigure::RelativeHumidity => Point::Measured(Measure::RelativeHumidity(node)),
-                AirFigure::Partial(part) => Point::Measured(Measure::Partial(node, part as u32)),
-                AirFigure::Mixed => Point::Mixed(node),
-                AirFigure::Liquid => return None,
-            }
-        }
-        Quantity::Exchanger { exchanger, figure } => {
-            let exchanger = exchanger as u32;
-            match figure {
-                ExchangerFigure::Heat => Point::AirHeat(exchanger),
-                ExchangerFigure::CoolantHeat => Point::CoolantHeat(exchanger),
-                ExchangerFigure::Condensate => Point::Condensate(exchanger),
-                ExchangerFigure::AirOutlet => Point::Measured(Measure::AirOutlet(exchanger)),
-                ExchangerFigure::Tank => Point::Tank(exchanger),
-                ExchangerFigure::Film | ExchangerFigure::Separator => return None,
-            }
-        }
-    })
 }
 
 fn port(entry: &ChannelEntry) -> Port {
@@ -327,7 +276,7 @@ pub(crate) fn check(loaded: &Loaded, notes: &mut Notes) {
         ProcessError::SlotRange(index) => {
             (channel("in", index), &["min", "max"], "the range is wider than the input's own".into())
         }
-        ProcessError::Point(index) => (channel("out", index), &["bind"], "there is no such point".into()),
+        ProcessError::Signal(index) => (channel("out", index), &["bind"], "there is no such signal".into()),
         // There are as many states as channels wherever there are any.
         ProcessError::States => return,
     };

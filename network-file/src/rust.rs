@@ -38,16 +38,16 @@ impl Loaded {
              PressureRegulator, Pump, ReferencePipe,\n    ReliefValve, Valve,\n};\n\
              #[allow(unused_imports)] // nor channels\n\
              use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
-             Point, Port, Scaling,\n};\n\
+             Port, Scaling,\n};\n\
              #[allow(unused_imports)] // nor schedules\n\
              use ::eclss_core::{\n    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, \
-             Schedule, SchedulePoint, Segment,\n    Settings, Sizes, StdElement,\n};\n",
+             Schedule, SchedulePoint, Segment,\n    Output, Settings, Signal, Sizes, StdElement,\n};\n",
         );
         if !self.climate.volumes.is_empty() {
             text.push_str(
                 "#[allow(unused_imports)] // nor everything that a climate may have\n\
                  use ::eclss_core::{\n    climate::condenser::Condenser, climate::medium::Medium, \
-                 climate::{Contents::*, ControlLoop, Crew, Exchanger, Measure::*, Passage::*, Remover, Source, Station, \
+                 climate::{Contents::*, ControlLoop, Crew, Exchanger, Passage::*, Remover, Source, Station, \
                  Volume, Wall},\n    control::{Actuator, Controller::*, Sensor},\n};\n",
             );
         }
@@ -195,12 +195,13 @@ impl Loaded {
     }
 }
 
-/// A control loop; the variants of a controller have the names of what they hold, and infinity is no Rust number.
+/// A control loop; the variants of a controller have the names of their contents, and infinity is no Rust number.
 fn control(control: &eclss_core::climate::ControlLoop) -> String {
     format!("{control:?}")
         .replace("Pid(Pid {", "Pid(::eclss_core::control::Pid {")
         .replace("Thermostat(Thermostat {", "Thermostat(::eclss_core::control::Thermostat {")
         .replace(": inf", ": f32::INFINITY")
+        .replace("{ output: ", "{ output: Output::")
 }
 
 fn constant(text: &mut String, about: &str, name: &str, kind: &str, value: impl std::fmt::Display) {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use eclss_core::process::{Hold, Order, Point, Port};
-use eclss_core::{Health, Settings, Simulator};
+use eclss_core::process::{Hold, Order, Port};
+use eclss_core::{Health, Output, Settings, Simulator};
 use eclss_network_file::{Loaded, load, parse};
 
 const HIL: &str = include_str!("../../networks/hil.toml");
@@ -36,7 +36,7 @@ fn spoil(old: &str, new: &str, reason: &str) {
 
 #[test]
 fn what_is_wrong_is_refused_at_its_place() {
-    spoil("\"valve.opening\"", "\"valve.opennig\"", "there is no point `valve.opennig`");
+    spoil("\"valve.opening\"", "\"valve.opennig\"", "there is no signal `valve.opennig`");
     spoil("bind = \"fan.speed\"", "bind = \"loop.mass_flow\"", "is no input");
     spoil("bind = \"fan.speed\"", "bind = \"valve.opening\"", "has such a channel already");
     spoil("direction = \"in\"", "direction = \"both\"", "`both` is not a direction");
@@ -96,8 +96,8 @@ fn keys_become_channels_with_their_defaults() {
     assert_eq!((fan.hold, fan.essential, fan.extrapolate_ticks), (Hold::Zero, false, 1));
     assert!((fan.event_step - 0.12).abs() < 1e-6 && fan.filter_s.abs() < 1e-9);
     let [flow, pressure] = &process.output_channels()[..] else { panic!("two outputs") };
-    assert_eq!(flow.point, Point::LineFlow(0));
-    assert_eq!(pressure.point, Point::OutletGauge { line: 0, segment: 1 });
+    assert_eq!(flow.signal, Output::MassFlow.of(0));
+    assert_eq!(pressure.signal, Output::OutletPressure.of(1));
     assert!(flow.max_rate_per_s.is_infinite());
     let zoo = parse(ZOO, "zoo").unwrap();
     let [regulator, _] = &zoo.process.input_channels()[..] else { panic!("two inputs") };
@@ -107,9 +107,10 @@ fn keys_become_channels_with_their_defaults() {
     let engineering = regulator.scaling.engineering.forward(regulator.scaling.electrical.forward(count));
     assert!((engineering - 0.45).abs() < 1e-5);
     let [_, scrubber, hatch] = &zoo.process.output_channels()[..] else { panic!("three outputs") };
-    assert_eq!(scrubber.point, Point::SegmentFlow { line: 1, segment: 4 });
+    assert_eq!(scrubber.signal, Output::SegmentFlow.of(4));
     assert_eq!(zoo.names.segments[4], "scrubber");
-    assert!(matches!(hatch.point, Point::Input(slot) if zoo.names.inputs[slot as usize] == "hatch.opening"));
+    assert_eq!(hatch.signal.output, Output::Input);
+    assert_eq!(zoo.names.inputs[hatch.signal.owner as usize], "hatch.opening");
 }
 
 /// Host and board have the same image, to the bit and by its id.

@@ -18,6 +18,7 @@ mod paper;
 mod refused;
 mod refused_air;
 mod round_trip;
+mod signals;
 mod slowed_air;
 mod standing_heat;
 mod steady_air;

@@ -226,7 +226,7 @@ fn references_that_lead_nowhere() {
     let error = refused(&RIGHT.replace("to = \"outside\"", "to = \"cabin\""));
     assert_eq!(error.to_string(), "small.toml:17:6: no line reaches node `outside`");
     spoil("input = \"valve.opening\"", "input = «\"valve.speed\"", "there is no input `valve.speed`");
-    spoil("[\"valve.mass_flow\"]", "[«\"valve.flow\"]", "there is no point `valve.flow`");
+    spoil("[\"valve.mass_flow\"]", "[«\"valve.flow\"]", "there is no signal `valve.flow`");
     spoil("[\"valve.mass_flow\"]", "[\"fan.speed\", «\"fan.speed\"]", "`fan.speed` is recorded twice");
 }
 

@@ -326,9 +326,9 @@ mod tests {
     use crate::board::Converters;
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
-    use eclss_core::Place;
     use eclss_core::mode::Request;
-    use eclss_core::process::{Applied, Point};
+    use eclss_core::process::Applied;
+    use eclss_core::{Place, Signal};
 
     /// A board whose clock moves only as the script says: each tick takes the next duration \[µs\].
     #[derive(Default)]
@@ -397,7 +397,7 @@ mod tests {
         fn input(&self, slot: u32) -> Option<f32> {
             (slot < 2).then_some(0.5)
         }
-        fn point(&self, _point: Point) -> f32 {
+        fn signal(&self, _signal: Signal) -> f32 {
             self.steps[0]
         }
         fn step(&mut self) -> Result<(), Untrusted> {

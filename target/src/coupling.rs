@@ -166,9 +166,9 @@ impl<'a> Coupling<'a> {
         }
     }
 
-    /// Makes outputs of the plant's points.
+    /// Makes outputs of the plant's signals.
     pub fn emit<P: Plant>(&mut self, plant: &P, conduct: &Conduct) {
-        self.process.emit(|point| plant.point(point), conduct);
+        self.process.emit(|signal| plant.signal(signal), conduct);
     }
 
     /// Forgets how long the plant has stood still.
@@ -181,7 +181,7 @@ impl<'a> Coupling<'a> {
     pub fn settle<P: Plant>(&mut self, plant: &P) -> bool {
         let outputs = self.process.image().outputs;
         let moved = |channel: &eclss_core::process::OutputChannel<'_>, rest: f32| {
-            let way = (plant.point(channel.point) - rest).abs();
+            let way = (plant.signal(channel.signal) - rest).abs();
             // NaN, before the first tick, has moved.
             !matches!(
                 way.partial_cmp(&((channel.max - channel.min) * SETTLED)),
@@ -192,7 +192,7 @@ impl<'a> Coupling<'a> {
         if outputs.iter().zip(&self.rest).any(|(channel, rest)| moved(channel, *rest)) {
             self.rested = 0;
             for (rest, channel) in self.rest.iter_mut().zip(outputs) {
-                *rest = plant.point(channel.point);
+                *rest = plant.signal(channel.signal);
             }
         }
         self.rested as f32 * self.step_s >= SETTLED_S

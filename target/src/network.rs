@@ -3,11 +3,11 @@
 use crate::control::SHOWN_OUTPUTS;
 use crate::coupling::{self, Coupling};
 use crate::plant::{Plant, Untrusted};
-use eclss_core::process::{Applied, CHANNELS, Image, InputState, OutputState, Point, Process};
+use eclss_core::process::{Applied, CHANNELS, Image, InputState, OutputState, Process};
 use eclss_core::protocol::{Config, Link, Role};
 use eclss_core::{
-    BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, LiveInput, Settings, Simulator,
-    Storage,
+    BuildError, Compiled as _, CompiledSimulator, Fingerprint, Health, LiveInput, Settings, Signal,
+    Simulator, Storage,
 };
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -239,8 +239,8 @@ impl Plant for NetworkPlant {
     fn input(&self, slot: u32) -> Option<f32> {
         self.simulator().inputs().get(slot as usize).copied()
     }
-    fn point(&self, point: Point) -> f32 {
-        self.simulator().point(point)
+    fn signal(&self, signal: Signal) -> f32 {
+        self.simulator().signal(signal)
     }
     #[cfg_attr(feature = "nucleo-h743zi2", unsafe(link_section = ".itcm.step"))]
     #[allow(unsafe_code, reason = "on the board with tightly coupled memory, the step runs from it")]

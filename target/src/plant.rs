@@ -1,8 +1,9 @@
 //! What the loop steps.
 
-use eclss_core::process::{Applied, Point};
+use eclss_core::Signal;
+use eclss_core::process::Applied;
 
-/// A simulated plant: inputs in, one fixed step, points out.
+/// A simulated plant: inputs in, one fixed step, signals out.
 pub trait Plant {
     /// Goes back to the start.
     fn restart(&mut self);
@@ -13,8 +14,8 @@ pub trait Plant {
     fn set(&mut self, slot: u32, value: f32) -> bool;
     /// What the input has; `None` where there is no such slot.
     fn input(&self, slot: u32) -> Option<f32>;
-    /// A value of the plant, in its unit.
-    fn point(&self, point: Point) -> f32;
+    /// Value of a signal, in its unit.
+    fn signal(&self, signal: Signal) -> f32;
     /// Advances by one tick. The number of operations does not depend on the values.
     fn step(&mut self) -> Result<(), Untrusted>;
     /// The first flows, for who watches.

@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::emulator::{Run, linked};
 use crate::wire::{Wire, network, socket};
 use eclss_core::mode::{Mode, Request};
-use eclss_core::process::{InputState, OutputState, Point, Process};
+use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::protocol::{Command as LinkCommand, Outcome, Outgoing, Role};
 use eclss_core::{Health, LiveInput, Method, Simulator};
 use eclss_target::controller::{Controller, FLOW};
@@ -148,7 +148,7 @@ fn a_controller_in_the_emulator_holds_the_flow_of_the_plant_on_the_host() {
                         simulator.set_live(live, applied.value, applied.slope_per_s).expect("in range");
                     }
                     assert_eq!(simulator.step(), Health::Trusted);
-                    process.emit(|point| value(simulator, point), Mode::Run.conduct());
+                    process.emit(|signal| simulator.signal(signal), Mode::Run.conduct());
                 }
             }
             let values: Vec<f32> = process.outputs().iter().map(OutputState::value).collect();
@@ -165,14 +165,6 @@ fn a_controller_in_the_emulator_holds_the_flow_of_the_plant_on_the_host() {
     println!("flow {flow} kg/s");
     assert!((flow - 0.06).abs() < 2e-3, "{flow}");
     assert_eq!(process.inputs()[0].rejected().total(), 0, "nothing was unbelievable");
-}
-
-fn value(simulator: &Simulator<'_>, point: Point) -> f32 {
-    match point {
-        Point::LineFlow(line) => simulator.line_flow_kg_s(line as usize),
-        Point::OutletGauge { line, segment } => simulator.outlet_gauge_pa(line as usize, segment as usize),
-        _ => panic!("the network has no such channel"),
-    }
 }
 
 /// The protocol from its document: another language in place of the host.

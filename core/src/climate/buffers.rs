@@ -132,6 +132,7 @@ pub(super) struct Seen<'o> {
     pub(super) coils: &'o [WallStates],
     pub(super) stores: &'o [[f32; STORES]],
     pub(super) walls: &'o [[f32; 2]],
+    pub(super) loops: &'o [[f32; LOOP]],
     pub(super) ledger: &'o [Stored],
     pub(super) fractions: &'o [Parts],
     pub(super) figures: &'o [Figures],
@@ -158,7 +159,7 @@ impl<'o> Seen<'o> {
         let (owed, owed_carry) = (state.rows(nodes), state.rows(nodes));
         let (coils, stores) = (state.rows::<CELLS>(4 * exchangers).as_chunks().0, state.rows(exchangers));
         let walls = state.rows(climate.walls.len());
-        let _: &[[f32; LOOP]] = state.rows(climate.loops.len());
+        let loops = state.rows(climate.loops.len());
         let ledger = state.rows(LEDGER);
         let _: [&[Stored]; 2] = [work.rows(nodes), work.rows(nodes)];
         let (fractions, figures, passed) = (work.rows(nodes), work.rows(nodes), work.rows(nodes));
@@ -172,6 +173,7 @@ impl<'o> Seen<'o> {
             coils,
             stores,
             walls,
+            loops,
             ledger,
             fractions,
             figures,

@@ -1,11 +1,14 @@
 //! Reads what a climate holds and shows, for reports, records and ledgers.
 
-use super::buffers::Seen;
-use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, TRACE, VAPOUR};
+use super::buffers::{Seen, Work};
+use super::condenser::{Cells, WallStates};
+use super::exchanger::{SHOWN, STORES};
+use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
 use super::monitor::{Broken, FOGGED, Limit};
-use super::volume::{self, Contents, ENERGY, LEAST_FRACTION};
-use super::{Climate, ExchangerReadings, Readings, condenser::Cells};
+use super::volume::{self, Contents, ENERGY, Figures, LEAST_FRACTION};
+use super::{Climate, ExchangerReadings, Volume};
 use crate::moist;
+use crate::signal::{self, Owner, Signal};
 use crate::simulator::{Excursion, Strayed};
 
 /// One ledger: what the network holds beyond its start, and what came from outside.
@@ -30,6 +33,147 @@ impl Ledger {
     }
 }
 
+/// What a volume of air shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Readings {
+    /// Temperature [K].
+    pub temperature_k: f32,
+    /// Absolute pressure [Pa].
+    pub pressure_pa: f32,
+    /// Partial pressures of the gases, in the order of the parts [Pa].
+    pub partial_pa: Parts,
+    /// Dew point [K].
+    pub dew_point_k: f32,
+    /// Relative humidity [1].
+    pub relative_humidity: f32,
+    /// Free liquid water [kg].
+    pub liquid_kg: f32,
+    /// Time in which what flows in turns the volume over [s]; infinite without flow.
+    pub turnover_s: f32,
+    /// Whether a single well-mixed volume still describes it.
+    pub mixed: bool,
+}
+
+/// Rows that figures of volumes and exchangers are read from, within a step or after it.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'r> {
+    figures: &'r [Figures],
+    fractions: &'r [Parts],
+    passed: &'r [[f32; 2]],
+    coils: &'r [WallStates],
+    stores: &'r [[f32; STORES]],
+    shown: &'r [[f32; SHOWN]],
+}
+
+impl<'r> Rows<'r> {
+    pub(super) fn of(work: &'r Work<'_>, coils: &'r [WallStates], stores: &'r [[f32; STORES]]) -> Self {
+        let Work { figures, fractions, passed, shown, .. } = work;
+        Self { figures, fractions, passed, coils, stores, shown }
+    }
+
+    /// A figure of a volume or an exchanger; NaN for any other.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a sensor of a step that may be specialised")]
+    pub(super) fn read(self, climate: &Climate<'_>, step_s: f32, signal: Signal) -> f32 {
+        let (owner, item) = (signal.owner as usize, usize::from(signal.item));
+        match signal.output.owner() {
+            Owner::Volume | Owner::Air => self
+                .volume(climate, step_s, owner)
+                .map_or(f32::NAN, |volume| signal::volume(signal.output, &volume, item)),
+            Owner::Exchanger => self
+                .exchanger(climate, step_s, owner)
+                .map_or(f32::NAN, |exchanger| signal::exchanger(signal.output, &exchanger)),
+            _ => f32::NAN,
+        }
+    }
+
+    fn volume(self, climate: &'r Climate<'_>, step_s: f32, node: usize) -> Option<VolumeView<'r>> {
+        Some(VolumeView {
+            volume: climate.volumes.get(node)?,
+            figures: self.figures.get(node)?,
+            fractions: self.fractions.get(node)?,
+            passed: self.passed.get(node)?,
+            reference_k: climate.reference_k,
+            step_s,
+        })
+    }
+
+    fn exchanger(self, climate: &Climate<'_>, step_s: f32, index: usize) -> Option<ExchangerReadings> {
+        let (walls, stores) = (self.coils.get(index)?, self.stores.get(index)?);
+        Some(ExchangerReadings::of(stores, self.shown.get(index)?, walls, climate.reference_k, step_s))
+    }
+}
+
+/// One volume, of which every figure is computed when it is read.
+pub(crate) struct VolumeView<'v> {
+    volume: &'v Volume,
+    figures: &'v Figures,
+    fractions: &'v Parts,
+    passed: &'v [f32; 2],
+    reference_k: f32,
+    step_s: f32,
+}
+
+impl VolumeView<'_> {
+    /// Temperature [K].
+    pub(crate) fn temperature_k(&self) -> f32 {
+        self.reference_k + self.figures[0]
+    }
+
+    /// Absolute pressure [Pa].
+    pub(crate) fn pressure_pa(&self) -> f32 {
+        self.figures[1]
+    }
+
+    /// Partial pressure of a part [Pa].
+    pub(crate) fn partial_pa(&self, part: usize) -> f32 {
+        volume::partial_pressure_pa(part, self.fractions, self.pressure_pa())
+    }
+
+    /// Dew point [K].
+    pub(crate) fn dew_point_k(&self) -> f32 {
+        moist::dew_point_k(self.partial_pa(VAPOUR))
+    }
+
+    /// Relative humidity [1].
+    pub(crate) fn relative_humidity(&self) -> f32 {
+        moist::relative_humidity(self.partial_pa(VAPOUR), self.temperature_k())
+    }
+
+    /// Free liquid water [kg].
+    pub(crate) fn liquid_kg(&self) -> f32 {
+        self.figures[2] * self.fractions[LIQUID]
+    }
+
+    /// Time in which what flows in turns the volume over [s]; infinite without flow.
+    pub(crate) fn turnover_s(&self) -> f32 {
+        let inflow_kg_s = self.passed[0] / self.step_s;
+        if inflow_kg_s > 0.0 { self.figures[2] / inflow_kg_s } else { f32::INFINITY }
+    }
+
+    /// Whether a single well-mixed volume still describes it.
+    pub(crate) fn mixed(&self) -> bool {
+        self.turnover_s() <= self.volume.mixing_limit_s
+    }
+
+    fn readings(&self) -> Readings {
+        let mut partial_pa = [0.0; PARTS];
+        for (part, partial) in partial_pa.iter_mut().enumerate() {
+            *partial = self.partial_pa(part);
+        }
+        Readings {
+            temperature_k: self.temperature_k(),
+            pressure_pa: self.pressure_pa(),
+            partial_pa,
+            dew_point_k: self.dew_point_k(),
+            relative_humidity: self.relative_humidity(),
+            liquid_kg: self.liquid_kg(),
+            turnover_s: self.turnover_s(),
+            mixed: self.mixed(),
+        }
+    }
+}
+
 /// Reads a climate's buffers.
 pub(crate) struct Observed<'o, 'n> {
     climate: &'o Climate<'n>,
@@ -42,12 +186,26 @@ impl<'o, 'n> Observed<'o, 'n> {
         Self { climate, seen: Seen::of(climate, state, work), step_s }
     }
 
+    fn rows(&self) -> Rows<'_> {
+        let Seen { figures, fractions, passed, coils, stores, shown, .. } = self.seen;
+        Rows { figures, fractions, passed, coils, stores, shown }
+    }
+
+    /// A figure of a volume or an exchanger.
+    pub(crate) fn read(&self, signal: Signal) -> f32 {
+        self.rows().read(self.climate, self.step_s, signal)
+    }
+
+    /// Reading and position of a control loop, each in its own unit.
+    pub(crate) fn control(&self, index: usize) -> Option<[f32; 2]> {
+        let [_, reading, _, _, _, _, position, _] = *self.seen.loops.get(index)?;
+        Some([reading, position])
+    }
+
     /// What a volume of air shows; `None` for one that does not exist or holds coolant.
     pub(crate) fn air(&self, node: usize) -> Option<Readings> {
-        let volume = self.climate.volumes.get(node).filter(|volume| volume.contents == Contents::Air)?;
-        let (figures, fractions) = (self.seen.figures.get(node)?, self.seen.fractions.get(node)?);
-        let [inward, _] = *self.seen.passed.get(node)?;
-        Some(Readings::of(volume, figures, fractions, self.climate.reference_k, inward / self.step_s))
+        let air = self.rows().volume(self.climate, self.step_s, node)?;
+        (air.volume.contents == Contents::Air).then(|| air.readings())
     }
 
     /// Temperature of a volume [K].
@@ -116,9 +274,7 @@ impl<'o, 'n> Observed<'o, 'n> {
 
     /// What an exchanger shows.
     pub(crate) fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
-        let walls = self.seen.coils.get(index)?;
-        let (stores, shown) = (self.seen.stores.get(index)?, self.seen.shown.get(index)?);
-        Some(ExchangerReadings::of(stores, shown, walls, self.climate.reference_k, self.step_s))
+        self.rows().exchanger(self.climate, self.step_s, index)
     }
 
     /// The ledgers: gases, water, coolant, energy.

@@ -3,10 +3,10 @@
 use super::buffers::{Running, State, Work};
 use super::coils::{begin_coils, settle_coils};
 use super::lines::move_lines;
-use super::medium::{PARTS, VAPOUR};
+use super::observe::Rows;
 use super::supply::{pass_walls, supply_volumes};
-use super::volume::{self, Constants, Held, LEAST_FRACTION};
-use super::{Climate, ControlLoop, Measure, density};
+use super::volume::{Constants, Held, LEAST_FRACTION};
+use super::{ControlLoop, density};
 use crate::control::{ActuatorFault, SensorFault};
 use crate::element::Element;
 use crate::simulator::{Fault, Place};
@@ -52,8 +52,10 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
     for (exchanger, shown) in climate.exchangers.iter().zip(work.shown.iter_mut()) {
         shown[2] = exchanger.start_k - climate.reference_k;
     }
+    let rows = Rows::of(&work, state.coils, state.stores);
     for (control, state) in climate.loops.iter().zip(state.loops) {
-        let measured = measure(climate, &work, control.measure);
+        // Nothing has passed yet, so the step does not count.
+        let measured = rows.read(climate, 1.0, control.measures);
         let driven = input(inputs, control.drives);
         let sensor = control.sensor.start(measured);
         let actuator = control.actuator.start(driven);
@@ -75,9 +77,10 @@ pub(crate) fn control<E, const UNROLL: bool>(
     inputs: &mut [f32],
 ) {
     let climate = &network.climate;
-    let (state, work) = (&mut running.state, &running.work);
+    let state = &mut running.state;
+    let rows = Rows::of(&running.work, state.coils, state.stores);
     every!(UNROLL, climate.loops.iter().zip(state.loops.iter_mut()), (control, state) => {
-        let measured = measure(climate, work, control.measure);
+        let measured = rows.read(climate, step_s, control.measures);
         act(control, network.inputs.len(), step_s, tick, measured, state, inputs);
     });
 }
@@ -118,32 +121,6 @@ fn act(
     let ([followed, reading], [integral, carry, last, output]) = (sensor, controller);
     let [position, moves] = actuator;
     *state = [followed, reading, integral, carry, last, output, position, moves];
-}
-
-/// What a sensor sees.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn measure(climate: &Climate<'_>, work: &Work<'_>, measure: Measure) -> f32 {
-    let (figures, fractions) = (&*work.figures, &*work.fractions);
-    let of = |node: u32| figures.get(node as usize).unwrap_or(&[0.0; 6]);
-    let partial = |node: u32, part: u32| {
-        let [_, pressure, ..] = of(node);
-        let fractions = fractions.get(node as usize).unwrap_or(&[0.0; PARTS]);
-        volume::partial_pressure_pa(part as usize, fractions, *pressure)
-    };
-    let temperature = |node: u32| climate.reference_k + of(node)[0];
-    match measure {
-        Measure::Temperature(node) => temperature(node),
-        Measure::DewPoint(node) => crate::moist::dew_point_k(partial(node, VAPOUR as u32)),
-        Measure::RelativeHumidity(node) => {
-            crate::moist::relative_humidity(partial(node, VAPOUR as u32), temperature(node))
-        }
-        Measure::Pressure(node) => of(node)[1],
-        Measure::Partial(node, part) => partial(node, part),
-        Measure::AirOutlet(exchanger) => {
-            climate.reference_k + work.shown.get(exchanger as usize).map_or(0.0, |shown| shown[2])
-        }
-    }
 }
 
 /// What comes into the volumes from outside in the coming step, before its flows are solved: crew, sources, removal, free

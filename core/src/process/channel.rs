@@ -1,9 +1,8 @@
 //! Description of a channel: what it is bound to, how it is scaled, how far and how fast it may go.
 
 use super::{CONVERTERS, Curve};
-use crate::climate::Measure;
 use crate::element::{ParameterError, Reason};
-use crate::{Element, Fingerprint, Network};
+use crate::{Fingerprint, Signal};
 
 /// Where the raw value comes from or goes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +37,7 @@ pub struct Calibration<'a> {
 pub struct Scaling<'a> {
     /// Raw → electrical [V or mA].
     pub electrical: Curve<'a>,
-    /// Electrical → engineering, in the unit of the slot or point.
+    /// Electrical → engineering, in the unit of the slot or signal.
     pub engineering: Curve<'a>,
     /// Electrical values that a sound wire can carry; outside of them it is broken or shorted.
     pub wire: Option<[f32; 2]>,
@@ -158,95 +157,16 @@ impl InputChannel<'_> {
     }
 }
 
-/// A value of the plant that an output can carry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Point {
-    /// Gauge pressure of a node [Pa].
-    NodeGauge(u32),
-    /// Mass flow of a line at its flow segment [kg/s].
-    LineFlow(u32),
-    /// Mass flow at the inlet of a segment [kg/s].
-    SegmentFlow {
-        /// Its line.
-        line: u32,
-        /// The segment, counted over all lines.
-        segment: u32,
-    },
-    /// Gauge pressure at the outlet of a segment [Pa].
-    OutletGauge {
-        /// Its line.
-        line: u32,
-        /// The segment, counted over all lines.
-        segment: u32,
-    },
-    /// An input slot, in its own unit.
-    Input(u32),
-    /// What a sensor of the climate can see, in its unit.
-    Measured(Measure),
-    /// Whether a single well-mixed volume still describes a node of air: 1 or 0.
-    Mixed(u32),
-    /// Heat that leaves the air in an exchanger [W].
-    AirHeat(u32),
-    /// Heat that its coolant takes [W].
-    CoolantHeat(u32),
-    /// Water that leaves the air in it [kg/s].
-    Condensate(u32),
-    /// Water in its condensate tank [kg].
-    Tank(u32),
-}
-
-impl Point {
-    /// Whether `network` has this point.
-    pub fn exists<E: Element>(self, network: &Network<'_, E>) -> bool {
-        match self {
-            Self::NodeGauge(node) => (node as usize) < network.nodes.len(),
-            Self::LineFlow(line) => (line as usize) < network.lines.len(),
-            Self::SegmentFlow { line, segment } | Self::OutletGauge { line, segment } => {
-                let line = network.lines.get(line as usize);
-                line.is_some_and(|line| segment.wrapping_sub(line.first_segment) < line.segments)
-            }
-            Self::Input(slot) => (slot as usize) < network.inputs.len(),
-            Self::Measured(measure) => measure.exists(&network.climate),
-            Self::Mixed(node) => (node as usize) < network.climate.volumes.len(),
-            Self::AirHeat(index) | Self::CoolantHeat(index) | Self::Condensate(index) | Self::Tank(index) => {
-                (index as usize) < network.climate.exchangers.len()
-            }
-        }
-    }
-
-    fn feed(self, hash: &mut Fingerprint) {
-        let words = match self {
-            Self::NodeGauge(node) => [0, node, 0],
-            Self::LineFlow(line) => [1, line, 0],
-            Self::SegmentFlow { line, segment } => [2, line, segment],
-            Self::OutletGauge { line, segment } => [3, line, segment],
-            Self::Input(slot) => [4, slot, 0],
-            Self::Mixed(node) => [5, node, 0],
-            Self::AirHeat(index) => [6, index, 0],
-            Self::CoolantHeat(index) => [7, index, 0],
-            Self::Condensate(index) => [8, index, 0],
-            Self::Tank(index) => [9, index, 0],
-            Self::Measured(measure) => {
-                let [kind, first, second] = measure.words();
-                [10 + kind, first, second]
-            }
-        };
-        for word in words {
-            hash.word(word);
-        }
-    }
-}
-
-/// From one point of the plant to hardware.
+/// From one signal of the plant to hardware.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputChannel<'a> {
-    /// The point.
-    pub point: Point,
+    /// The signal.
+    pub signal: Signal,
     /// Where values go.
     pub port: Port,
-    /// From raw to the point's unit; followed backwards.
+    /// From raw to the signal's unit; followed backwards.
     pub scaling: Scaling<'a>,
-    /// Smallest and largest value that is given out, in the point's unit.
+    /// Smallest and largest value that is given out, in the signal's unit.
     pub min: f32,
     /// See [`Self::min`].
     pub max: f32,
@@ -267,7 +187,7 @@ impl OutputChannel<'_> {
     }
 
     pub(super) fn feed(&self, hash: &mut Fingerprint) {
-        self.point.feed(hash);
+        self.signal.feed(hash);
         feed_port(self.port, hash);
         self.scaling.feed(hash);
         hash.values(&[self.min, self.max, self.max_rate_per_s, self.safe_value, self.safe_rate_per_s]);

@@ -1,4 +1,4 @@
-//! From a point of the plant to the raw value that hardware gets.
+//! From a signal of the plant to the raw value that hardware gets.
 
 use super::channel::OutputChannel;
 use super::{Mover, Quality};
@@ -28,7 +28,7 @@ impl OutputState {
         }
     }
 
-    /// What goes out, in the point's unit.
+    /// What goes out, in the signal's unit.
     pub fn value(&self) -> f32 {
         self.value.value()
     }
@@ -89,13 +89,14 @@ impl OutputState {
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "values that must come through unchanged")]
 mod tests {
-    use super::super::{Curve, Point, Port, Scaling};
+    use super::super::{Curve, Port, Scaling};
     use super::*;
+    use crate::Output;
 
     const H: f32 = 0.001;
 
     const CHANNEL: OutputChannel<'_> = OutputChannel {
-        point: Point::LineFlow(0),
+        signal: Output::MassFlow.of(0),
         port: Port::Link,
         scaling: Scaling::NONE,
         min: -0.1,

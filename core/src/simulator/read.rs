@@ -2,11 +2,11 @@
 
 use super::{Excursion, Health, Settings, Simulator};
 use crate::climate::monitor::{Broken, Limit};
-use crate::climate::{self, ExchangerReadings, Ledger, Measure, Readings};
-use crate::element::Element;
+use crate::climate::{self, ExchangerReadings, Ledger, Readings};
+use crate::element::{Element, Operating};
 use crate::method::observe::Observer;
-use crate::process::Point;
-use crate::{Fingerprint, Margin, Method, Network};
+use crate::signal::{self, Owner, Signal};
+use crate::{Fingerprint, Margin, Method, Network, operator};
 
 impl<'a, E: Element> Simulator<'a, E> {
     fn observer(&self) -> Observer<'_, 'a, E> {
@@ -181,42 +181,94 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.climate().exchanger(index)
     }
 
-    /// What a sensor of the climate would see without its faults; NaN where there is nothing.
-    pub fn measured(&self, measure: Measure) -> f32 {
-        let air =
-            |node: u32, of: &dyn Fn(&Readings) -> f32| self.air(node as usize).as_ref().map_or(f32::NAN, of);
-        match measure {
-            Measure::Temperature(node) => self.node_temperature_k(node as usize),
-            Measure::DewPoint(node) => air(node, &|air| air.dew_point_k),
-            Measure::RelativeHumidity(node) => air(node, &|air| air.relative_humidity),
-            Measure::Pressure(node) => air(node, &|air| air.pressure_pa),
-            Measure::Partial(node, part) => {
-                air(node, &|air| air.partial_pa.get(part as usize).copied().unwrap_or(f32::NAN))
+    /// Value of a signal, in its unit; NaN for one that does not exist.
+    pub fn signal(&self, signal: Signal) -> f32 {
+        let mut value = f32::NAN;
+        self.read_signals(&[signal], core::slice::from_mut(&mut value));
+        value
+    }
+
+    /// Values of signals, each in its unit, as [`Self::signal`] gives them one by one. Signals of a line's elements that
+    /// follow each other in the order of [`Network::signals`] take one walk along the line together.
+    pub fn read_signals(&self, signals: &[Signal], into: &mut [f32]) {
+        let climate = self.climate();
+        let (mut rest, mut into) = (signals, into);
+        while let [first, ..] = rest {
+            let owner = first.owner as usize;
+            let mut read = 1;
+            let value = match first.output.owner() {
+                Owner::Segment => {
+                    read = self.read_segments(rest, into);
+                    None
+                }
+                Owner::Volume | Owner::Air | Owner::Exchanger => Some(climate.read(*first)),
+                Owner::Control => {
+                    let found = climate.control(owner);
+                    let read =
+                        |[reading, position]: [f32; 2]| signal::control(first.output, reading, position);
+                    Some(found.map_or(f32::NAN, read))
+                }
+                Owner::Node | Owner::Line | Owner::GasLine | Owner::Input | Owner::Run => {
+                    Some(signal::plant(first.output, self, owner))
+                }
+            };
+            if let (Some(place), Some(value)) = (into.first_mut(), value) {
+                *place = value;
             }
-            Measure::AirOutlet(index) => self.exchanger(index as usize).map_or(f32::NAN, |e| e.air_outlet_k),
+            rest = rest.get(read..).unwrap_or(&[]);
+            into = into.get_mut(read..).unwrap_or_default();
         }
     }
 
-    /// Value of a point of the plant that an output can carry, in its unit; NaN for one that does not exist.
-    pub fn point(&self, point: Point) -> f32 {
-        let exchanger = |index: u32| self.exchanger(index as usize);
-        match point {
-            Point::NodeGauge(node) => self.node_gauge_pa(node as usize),
-            Point::LineFlow(line) => self.line_flow_kg_s(line as usize),
-            Point::SegmentFlow { line, segment } => self.segment_flow_kg_s(line as usize, segment as usize),
-            Point::OutletGauge { line, segment } => self.outlet_gauge_pa(line as usize, segment as usize),
-            Point::Input(slot) => self.inputs().get(slot as usize).copied().unwrap_or(f32::NAN),
-            Point::Measured(measure) => self.measured(measure),
-            Point::Mixed(node) => {
-                self.air(node as usize).map_or(f32::NAN, |air| f32::from(u8::from(air.mixed)))
+    /// Reads the elements of one line that `signals` begins with, as far as they stand in order; returns how many.
+    fn read_segments(&self, signals: &[Signal], into: &mut [f32]) -> usize {
+        let line = |signal: &Signal| {
+            let segment = signal.output.owner() == Owner::Segment;
+            segment.then(|| self.network.line_of(signal.owner as usize)).flatten()
+        };
+        let first = signals.first().and_then(line);
+        let ordered = signals.windows(2).take_while(
+            |pair| matches!(pair, [a, b] if a.owner <= b.owner && first.is_some() && line(b) == first),
+        );
+        let count = 1 + ordered.count();
+        let Some(line) = first else {
+            into.iter_mut().take(1).for_each(|value| *value = f32::NAN);
+            return 1;
+        };
+        let mut open = count;
+        self.read_line(line, |segment, flow_kg_s, outlet_gauge_pa| {
+            while let Some(last) = open.checked_sub(1)
+                && let Some(signal) = signals.get(last).filter(|signal| signal.owner as usize == segment)
+            {
+                if let Some(value) = into.get_mut(last) {
+                    *value = signal::segment(signal.output, flow_kg_s, outlet_gauge_pa);
+                }
+                open = last;
             }
-            Point::AirHeat(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.heat_w),
-            Point::CoolantHeat(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.coolant_w),
-            Point::Condensate(index) => {
-                exchanger(index).map_or(f32::NAN, |exchanger| exchanger.condensate_kg_s)
-            }
-            Point::Tank(index) => exchanger(index).map_or(f32::NAN, |exchanger| exchanger.tank_kg),
+        });
+        count
+    }
+
+    /// φ of line `line` at its present flow [1]: below 1 method `relaxation` follows a change of the line more slowly than
+    /// it happens. 1 with any other method; NaN for a line that does not exist.
+    pub fn line_phi(&self, line: usize) -> f32 {
+        let Some(description) = self.network.lines.get(line) else { return f32::NAN };
+        if self.settings.method != Method::Relaxation {
+            return 1.0;
         }
+        let w = self.line_flow_kg_s(line);
+        let (mut folded, mut linear, mut ratio) = (0.0, 0.0, 1.0);
+        for segment in self.network.segments_of(description).iter().skip(description.flow_segment as usize) {
+            let inputs = self.inputs().get(segment.first_input as usize..).unwrap_or(&[]);
+            let law = segment.element.law(&Operating::plain(inputs, w));
+            folded += law.resistance * ratio * ratio;
+            linear += law.linear * ratio;
+            if w > 0.0 {
+                ratio /= 1.0 + segment.element.removal();
+            }
+        }
+        let step_s = self.settings.step_us as f32 * 1e-6;
+        operator::phi(step_s * (2.0 * w.abs() * folded + linear))
     }
 
     /// Share of what arrived at node `node` that its volume stored in the last step [1]; below 1 where more passes than

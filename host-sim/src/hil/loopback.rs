@@ -4,8 +4,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use eclss_core::Output;
 use eclss_core::mode::{Mode, Refusal, Request};
-use eclss_core::process::{Hold, Image, InputChannel, OutputChannel, Point, Port, Scaling};
+use eclss_core::process::{Hold, Image, InputChannel, OutputChannel, Port, Scaling};
 use eclss_core::protocol::{Command, Config, Link as Session, Outcome, Outgoing};
 use eclss_network_file::ProcessTables;
 use eclss_target::loopback::Loopback;
@@ -98,7 +99,7 @@ impl Probe {
                 ..*input
             };
             outputs.push(OutputChannel {
-                point: Point::Input(input.slot),
+                signal: Output::Input.of(input.slot as usize),
                 port: Port::Link,
                 scaling: Scaling::NONE,
                 min: input.min,

@@ -12,6 +12,7 @@ use super::shot::{Album, Camera, Moment, Shot, camera};
 use crate::schematic::{Drawing, Dress, Graph};
 use crate::serve::feed::{Catalogue, ChannelInfo, Figures, Frame, Hardware, Wire};
 use crate::serve::pace::Costs;
+use crate::serve::reading::signals;
 use crate::serve::{Plant, Publisher, Server, feed};
 use crate::{Failure, Source};
 
@@ -60,11 +61,11 @@ impl Page {
     }
 
     /// The loop's camera for this page and the album that [`Self::show`] takes.
-    pub fn camera(&self, source: &Source, values: usize) -> (Camera, Album) {
+    pub fn camera(&self, source: &Source, settings: Settings) -> (Camera, Album) {
         let process = &source.loaded.process;
         let channels = process.inputs.len() + process.outputs.len();
         let every = FRAME_US / u64::from(self.period_us).max(1);
-        camera(&source.loaded, values, channels, every)
+        camera(&source.loaded, signals(&source.loaded, settings.method), channels, every)
     }
 
     /// Where it is served.

@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use eclss_core::process::{Applied, Point};
-use eclss_core::{Fingerprint, Health, LiveInput, Simulator};
+use eclss_core::process::Applied;
+use eclss_core::{Fingerprint, Health, LiveInput, Signal, Simulator};
 use eclss_target::plant::{Plant, Untrusted};
 
 use super::tap::Tap;
@@ -64,8 +64,8 @@ impl Plant for HostPlant<'_> {
         self.simulator.inputs().get(slot as usize).copied()
     }
 
-    fn point(&self, point: Point) -> f32 {
-        self.simulator.point(point)
+    fn signal(&self, signal: Signal) -> f32 {
+        self.simulator.signal(signal)
     }
 
     fn step(&mut self) -> Result<(), Untrusted> {

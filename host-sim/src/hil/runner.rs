@@ -17,7 +17,8 @@ use std::time::Duration;
 
 use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
 use eclss_core::protocol::{Drift, Estimate, Link as Session, Role};
-use eclss_core::{Excursion, Health, Place, Settings, Simulator};
+use eclss_core::{Excursion, Health, Place, Settings, Signal, Simulator};
+use eclss_network_file::NamedSignal;
 use eclss_target::control::{self, Event};
 use eclss_target::coupling::{Coupling, LinkReport};
 use eclss_target::plant::Plant as _;
@@ -35,7 +36,7 @@ use super::shot::Camera;
 use super::tap::Tap;
 use crate::output::write_whole;
 use crate::refusal::refused;
-use crate::trace::Column;
+use crate::trace::columns;
 use crate::{Failure, HostBuffers, Source};
 use eclss_target::wire::{Address, Link, LinkCounts, open};
 use housekeeping::Housekeeping;
@@ -140,7 +141,7 @@ struct Ends {
     link: Option<Link>,
     camera: Option<Camera>,
     /// What is recorded of a tick, and how many inputs there are.
-    columns: Vec<Column>,
+    signals: Vec<Signal>,
     slots: usize,
     /// This run's number for its session.
     nonce: u32,
@@ -167,8 +168,9 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     let mut start = vec![0; simulator.checkpoint_bytes()];
     simulator.save(&mut start).map_err(|error| Failure::Failed(format!("cannot save the start: {error}")))?;
 
-    let columns = Column::all(&loaded.records);
-    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+    let columns = columns(loaded);
+    let names: Vec<String> = columns.iter().map(NamedSignal::column).collect();
+    let signals: Vec<Signal> = columns.iter().map(|column| column.signal).collect();
     let layout = Layout { inputs: network.inputs.len(), figures: columns.len() };
     let epoch_ns = std::time::SystemTime::now()
         .duration_since(std::time::UNIX_EPOCH)
@@ -186,7 +188,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     let (giver, taker) = recorder.as_ref().map(|_| ring(layout, rows as usize)).unzip();
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
     let slots = layout.inputs;
-    let ends = Ends { giver, events, orders, link, camera, columns, slots, nonce: epoch_ns as u32 | 1 };
+    let ends = Ends { giver, events, orders, link, camera, signals, slots, nonce: epoch_ns as u32 | 1 };
     let tested = AtomicBool::new(false);
     let started = std::time::Instant::now();
     let outcome = std::thread::scope(|scope| -> Result<Outcome, Failure> {
@@ -252,7 +254,7 @@ fn loop_thread(
         let config = config(&image, simulator.network_id(), job.settings.step_us, Role::Plant);
         let session = ends.link.is_some().then(|| Session::new(config, ends.nonce));
         let coupling = Coupling::new(process, step_s, session);
-        let tap = Tap::new(ends.columns, ends.slots, ends.giver, ends.camera);
+        let tap = Tap::new(ends.signals, ends.slots, ends.giver, ends.camera);
         let plant = HostPlant::new(simulator, &tap);
         let latched = image.order == OutputOrder::Latched;
         let armable = (image.is_bound() && ends.link.is_some(), latched);

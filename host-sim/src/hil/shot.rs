@@ -4,15 +4,13 @@ use eclss_core::climate::monitor::Limit;
 use eclss_core::mode::{Cause, Machine, Mode};
 use eclss_core::process::{InputState, OutputState, Quality};
 use eclss_core::protocol::Estimate;
-use eclss_core::{Excursion, Health, Simulator};
+use eclss_core::{Excursion, Health, Signal, Simulator};
 use eclss_network_file::Loaded;
 use eclss_target::account::Account;
 use eclss_target::coupling::{Coupling, LinkReport};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::Closure;
-use crate::serve::reading::Reading;
-use crate::trace::Segments;
 
 /// Buffers on their way.
 const SHOTS: usize = 4;
@@ -105,9 +103,8 @@ impl Shot {
 /// The loop's end.
 #[derive(Debug)]
 pub struct Camera {
-    reading: Reading,
+    signals: Vec<Signal>,
     ledger: Closure,
-    segments: Option<Segments>,
     now: Shot,
     every: u64,
     until: u64,
@@ -122,8 +119,9 @@ pub struct Album {
     free: Producer<Shot>,
 }
 
-/// Makes both ends for `values` published values and `channels`, with a shot every `every` ticks.
-pub fn camera(loaded: &Loaded, values: usize, channels: usize, every: u64) -> (Camera, Album) {
+/// Makes both ends for published `signals` and `channels`, with a shot every `every` ticks.
+pub fn camera(loaded: &Loaded, signals: Vec<Signal>, channels: usize, every: u64) -> (Camera, Album) {
+    let values = signals.len();
     let (mut free, free_out) = RingBuffer::new(SHOTS);
     let (taken, taken_out) = RingBuffer::new(SHOTS);
     for _ in 0..SHOTS {
@@ -131,9 +129,8 @@ pub fn camera(loaded: &Loaded, values: usize, channels: usize, every: u64) -> (C
         let _ = free.push(Shot::new(values, channels));
     }
     let camera = Camera {
-        reading: Reading::new(loaded),
+        signals,
         ledger: Closure::new(loaded),
-        segments: None,
         now: Shot::new(values, channels),
         every: every.max(1),
         until: 0,
@@ -144,13 +141,12 @@ pub fn camera(loaded: &Loaded, values: usize, channels: usize, every: u64) -> (C
 }
 
 impl Camera {
-    /// Reads the plant if a shot is due in this tick; the first time makes room.
+    /// Reads the plant if a shot is due in this tick.
     pub fn read(&mut self, simulator: &Simulator<'_>) {
-        if self.until > 0 && self.segments.is_some() {
+        if self.until > 0 {
             return;
         }
-        let segments = self.segments.get_or_insert_with(|| Segments::of(simulator));
-        self.reading.read(simulator, segments, &mut self.now.values);
+        simulator.read_signals(&self.signals, &mut self.now.values);
         let moment = &mut self.now.moment;
         (moment.steps, moment.t_s) = (simulator.tick(), simulator.time_us() as f64 * 1e-6);
         moment.phi = [simulator.margin().phi, simulator.worst_margin().phi];

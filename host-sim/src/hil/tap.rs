@@ -2,21 +2,18 @@
 
 use std::cell::RefCell;
 
-use eclss_core::Simulator;
-use eclss_core::mode::Machine;
-use eclss_core::mode::Mode;
+use eclss_core::mode::{Machine, Mode};
+use eclss_core::{Signal, Simulator};
 use eclss_target::account::Account;
 use eclss_target::coupling::Coupling;
 
 use super::handover::{Giver, Head, Layout};
 use super::shot::Camera;
-use crate::trace::{Column, Segments};
 
 /// The present tick. Board and plant share it; both live in the loop's thread, one after the other.
 #[derive(Debug)]
 pub struct Tap {
-    columns: Vec<Column>,
-    segments: Option<Segments>,
+    signals: Vec<Signal>,
     figures: Vec<f32>,
     /// Value and slope of every input slot that was set in this tick; NaN for one that was left as it is.
     inputs: Vec<[f32; 2]>,
@@ -33,19 +30,18 @@ pub struct Tap {
 const LEFT: [f32; 2] = [f32::NAN; 2];
 
 impl Tap {
-    /// Gathers `columns` and `slots` inputs for `giver`, and shots for `camera`, if there are such.
+    /// Gathers `signals` and `slots` inputs for `giver`, and shots for `camera`, if there are such.
     pub fn new(
-        columns: Vec<Column>,
+        signals: Vec<Signal>,
         slots: usize,
         giver: Option<Giver>,
         camera: Option<Camera>,
     ) -> RefCell<Self> {
-        let layout = Layout { inputs: slots, figures: columns.len() };
+        let layout = Layout { inputs: slots, figures: signals.len() };
         RefCell::new(Self {
-            figures: vec![f32::NAN; columns.len()],
+            figures: vec![f32::NAN; signals.len()],
             inputs: vec![LEFT; slots],
-            segments: None,
-            columns,
+            signals,
             giver,
             camera,
             layout,
@@ -63,7 +59,7 @@ impl Tap {
         }
     }
 
-    /// Reads the figures; the first time makes room.
+    /// Reads the figures.
     pub fn read(&mut self, simulator: &Simulator<'_>, stepped: bool) {
         if let Some(camera) = &mut self.camera {
             camera.read(simulator);
@@ -71,11 +67,7 @@ impl Tap {
         if self.giver.is_none() {
             return;
         }
-        let segments = self.segments.get_or_insert_with(|| Segments::of(simulator));
-        segments.read(simulator);
-        for (figure, column) in self.figures.iter_mut().zip(&self.columns) {
-            *figure = column.figure.read(simulator, segments);
-        }
+        simulator.read_signals(&self.signals, &mut self.figures);
         self.plant_tick = simulator.tick();
         self.stepped |= stepped;
     }

@@ -5,7 +5,7 @@ use eclss_core::{Fault, Health, Margin, Method, Network, Proof, Settings};
 use super::{DoubleLoop, Reference};
 use crate::linear::Spectrum;
 use crate::refusal::refused;
-use crate::trace::{Column, Trace};
+use crate::trace::{Trace, columns};
 use crate::{Duration, Failure, HostBuffers, Progress, Source};
 
 /// Steps of the paper [µs].
@@ -190,7 +190,7 @@ impl<'s> Experiment<'s> {
         let mut buffers = HostBuffers::default();
         let mut simulator =
             buffers.simulator(&network, settings).map_err(|error| refused(self.source, settings, &error))?;
-        let mut trace = Trace::new(Column::all(&loaded.records), 1);
+        let mut trace = Trace::new(columns(loaded), 1);
         let mut flow = vec![(0.0, f64::from(simulator.line_flow_kg_s(0)) * 1e3)];
         trace.note(&simulator);
         let mut fault = None;

@@ -9,7 +9,6 @@ use crate::plot::style::CYCLE;
 use crate::plot::{Axis, Curve, Dash, Dots, Figure, Level, Mark, Panel, Point};
 use crate::refusal::refused;
 use crate::run::{Plan, Wishes};
-use crate::trace::{Figure as Quantity, Segments};
 use crate::{Failure, HostBuffers, Progress, Source};
 
 #[allow(dead_code, reason = "the report takes what it shows of what the tests share")]
@@ -136,12 +135,11 @@ fn day(page: &mut Html, day_s: u32) -> Result<(), Failure> {
     let mut buffers = HostBuffers::default();
     let mut simulator =
         buffers.simulator(&network, settings).map_err(|error| refused(&source, settings, &error))?;
-    let mut segments = Segments::of(&simulator);
-    let records = source.loaded.all_records();
+    let signals = source.loaded.signals();
     let of = |id: &str| {
-        let found = records.iter().find(|record| record.name == id);
+        let found = signals.iter().find(|named| named.name == id);
         let lost = || Failure::Failed(format!("{PATH} publishes no {id}"));
-        found.map(|record| Quantity::Point(record.quantity)).ok_or_else(lost)
+        found.map(|named| named.signal).ok_or_else(lost)
     };
     let mut sheets = Vec::new();
     for (_, curves, ..) in &DAY {
@@ -155,14 +153,13 @@ fn day(page: &mut Html, day_s: u32) -> Result<(), Failure> {
             return Err(Failure::Failed(format!("{PATH}: the run left its range")));
         }
         if simulator.time_us().is_multiple_of(every) {
-            segments.read(&simulator);
             let hours = simulator.time_us() as f64 / 3.6e9;
-            for ((figure, points), (_, _, factor, offset, _)) in
+            for ((signal, points), (_, _, factor, offset, _)) in
                 sheets.iter_mut().zip(&DAY).flat_map(|(curves, sheet)| {
-                    curves.iter_mut().map(move |(figure, points)| ((*figure, points), sheet))
+                    curves.iter_mut().map(move |(signal, points)| ((*signal, points), sheet))
                 })
             {
-                points.push((hours, f64::from(figure.read(&simulator, &segments)) * factor + offset));
+                points.push((hours, f64::from(simulator.signal(signal)) * factor + offset));
             }
         }
     }

@@ -1,140 +1,68 @@
 //! A run as a picture: flows, pressures, inputs and φ over time.
 
-use eclss_core::climate::medium;
-use eclss_network_file::{AirFigure, ExchangerFigure, Quantity};
+use eclss_core::Output;
+use eclss_core::signal::{Display, Shown};
+use eclss_network_file::NamedSignal;
 
 use super::{Diverged, RunReport};
 use crate::plot::style::CYCLE;
-use crate::plot::{Axis, Curve, Dash, Figure as Plot, Panel, thin};
-use crate::trace::{Figure, Trace};
+use crate::plot::{Axis, Curve, Dash, Figure, Panel, thin};
+use crate::trace::Trace;
 
 /// Curves that a panel shows at most.
 const CURVES: usize = CYCLE.len();
 
-/// A kind of panel: which figures it shows, and how.
-struct Kind {
-    title: &'static str,
-    label: &'static str,
-    factor: f64,
-    offset: f64,
-    shows: fn(Figure) -> bool,
+/// What a panel shows: figures of one form. Inputs share one, and figures of a list, such as partial pressures, differ so
+/// much in size that each has its own.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Inputs,
+    Phi,
+    Form(Display, u16),
 }
 
-/// Whether a figure is a part's partial pressure that is shown with another.
-fn partial(figure: Figure, of: impl Fn(usize) -> bool) -> bool {
-    matches!(figure, Figure::Point(Quantity::Air { figure: AirFigure::Partial(part), .. }) if of(part))
+impl Kind {
+    /// The panel of a column; none where a curve would say nothing.
+    fn of(column: &NamedSignal) -> Option<Self> {
+        match column.signal.output {
+            Output::Input => Some(Self::Inputs),
+            Output::Phi => Some(Self::Phi),
+            Output::SpectralBound => None,
+            _ => Some(Self::Form(column.spec.display, column.signal.item)),
+        }
+    }
+
+    /// Label of the vertical axis, and how a value gets there.
+    fn axis(self) -> (String, Shown) {
+        let plain = Shown { unit: "1", datum: "", factor: 1.0, offset: 0.0 };
+        match self {
+            Self::Inputs => ("input [SI]".into(), plain),
+            Self::Phi => ("φ [1]".into(), plain),
+            Self::Form(display, _) => {
+                let shown = display.shown();
+                (format!("{} [{}]", display.name().replace('_', " "), shown.unit), shown)
+            }
+        }
+    }
 }
 
-/// Whether a figure of a condenser is one of `wanted`.
-fn of_exchanger(figure: Figure, wanted: &[ExchangerFigure]) -> bool {
-    matches!(figure, Figure::Point(Quantity::Exchanger { figure, .. }) if wanted.contains(&figure))
+/// Title of a panel: the labels of its figures.
+fn title(columns: &[&NamedSignal]) -> String {
+    let mut labels: Vec<String> = Vec::new();
+    for column in columns {
+        let label = match column.signal.output {
+            Output::Input => "inputs".to_owned(),
+            Output::PartialPressure => {
+                format!("{} of {}", column.spec.label, column.spec.name.replace('_', " "))
+            }
+            _ => column.spec.label.to_owned(),
+        };
+        if !labels.contains(&label) {
+            labels.push(label);
+        }
+    }
+    labels.join(", ")
 }
-
-/// Whether a figure of a volume is `wanted`.
-fn of_air(figure: Figure, wanted: AirFigure) -> bool {
-    matches!(figure, Figure::Point(Quantity::Air { figure, .. }) if figure == wanted)
-}
-
-const KINDS: [Kind; 12] = [
-    Kind {
-        title: "temperature and dew point",
-        label: "temperature [°C]",
-        factor: 1.0,
-        offset: -273.15,
-        shows: |figure| {
-            of_air(figure, AirFigure::Temperature)
-                || of_air(figure, AirFigure::DewPoint)
-                || of_exchanger(figure, &[ExchangerFigure::AirOutlet])
-        },
-    },
-    Kind {
-        title: "relative humidity",
-        label: "relative humidity [%]",
-        factor: 100.0,
-        offset: 0.0,
-        shows: |figure| of_air(figure, AirFigure::RelativeHumidity),
-    },
-    Kind {
-        title: "oxygen",
-        label: "partial pressure [kPa]",
-        factor: 1e-3,
-        offset: 0.0,
-        shows: |figure| partial(figure, |part| part == medium::OXYGEN),
-    },
-    Kind {
-        title: "carbon dioxide, vapour, trace gases",
-        label: "partial pressure [Pa]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| partial(figure, |part| part != medium::OXYGEN),
-    },
-    Kind {
-        title: "heat of condensers",
-        label: "heat [W]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| of_exchanger(figure, &[ExchangerFigure::Heat, ExchangerFigure::CoolantHeat]),
-    },
-    Kind {
-        title: "condensate",
-        label: "water out of the air [g/h]",
-        factor: 3.6e6,
-        offset: 0.0,
-        shows: |figure| of_exchanger(figure, &[ExchangerFigure::Condensate]),
-    },
-    Kind {
-        title: "water",
-        label: "water [kg]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| {
-            of_air(figure, AirFigure::Liquid)
-                || of_exchanger(
-                    figure,
-                    &[ExchangerFigure::Film, ExchangerFigure::Separator, ExchangerFigure::Tank],
-                )
-        },
-    },
-    Kind {
-        title: "does one well-mixed volume hold (1), or not (0)",
-        label: "mixed [1]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| of_air(figure, AirFigure::Mixed),
-    },
-    Kind {
-        title: "mass flow",
-        label: "mass flow [g/s]",
-        factor: 1e3,
-        offset: 0.0,
-        shows: |figure| {
-            matches!(figure, Figure::Point(Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. }))
-        },
-    },
-    Kind {
-        title: "pressure",
-        label: "gauge pressure [Pa]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| {
-            matches!(figure, Figure::Point(Quantity::NodePressure { .. } | Quantity::OutletPressure { .. }))
-        },
-    },
-    Kind {
-        title: "inputs",
-        label: "input [1]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| matches!(figure, Figure::Point(Quantity::Input { .. })),
-    },
-    Kind {
-        title: "smallest φ of a step",
-        label: "φ [1]",
-        factor: 1.0,
-        offset: 0.0,
-        shows: |figure| figure == Figure::Phi,
-    },
-];
 
 /// Unit of the time axis.
 #[derive(Clone, Copy)]
@@ -159,20 +87,21 @@ pub fn picture(report: &RunReport, trace: &Trace) -> String {
     let clock = Clock::of(report.end.t_s);
     let mut remarks = Vec::new();
     let mut panels = Vec::new();
-    for kind in &KINDS {
-        let columns = 0..trace.columns().len();
-        let found: Vec<_> = columns.filter(|k| (kind.shows)(trace.columns()[*k].figure)).collect();
-        if found.is_empty() {
-            continue;
+    let mut kinds: Vec<(Kind, Vec<usize>)> = Vec::new();
+    for (index, column) in trace.columns().iter().enumerate() {
+        let Some(kind) = Kind::of(column) else { continue };
+        match kinds.iter_mut().find(|(other, _)| *other == kind) {
+            Some((_, columns)) => columns.push(index),
+            None => kinds.push((kind, vec![index])),
         }
+    }
+    for (kind, found) in &kinds {
+        let panel = panel(trace, *kind, found, report.diverged.is_some(), clock);
         if found.len() > CURVES {
-            remarks.push(format!(
-                "{}: the first {CURVES} of {} recorded; the CSV has all.",
-                kind.title,
-                found.len()
-            ));
+            let (title, all) = (&panel.title, found.len());
+            remarks.push(format!("{title}: the first {CURVES} of {all} recorded; the CSV has all."));
         }
-        panels.push(panel(trace, kind, &found, report.diverged.is_some(), clock));
+        panels.push(panel);
     }
     if report.pseudo_time {
         remarks
@@ -183,56 +112,43 @@ pub fn picture(report: &RunReport, trace: &Trace) -> String {
         remarks.push(format!("Diverged at {t_s} s in {kind} `{id}`: {what}."));
     }
     let title = format!("{}: {} at {} ms", report.network, report.method, report.step_s * 1e3);
-    Plot { title, panels, columns: 2, panel_size: (520, 340), remarks }.svg()
+    Figure { title, panels, columns: 2, panel_size: (520, 340), remarks }.svg()
 }
 
-fn panel(trace: &Trace, kind: &Kind, columns: &[usize], diverged: bool, clock: Clock) -> Panel {
+fn panel(trace: &Trace, kind: Kind, columns: &[usize], diverged: bool, clock: Clock) -> Panel {
     let dashes = [Dash::Solid, Dash::Dashed, Dash::Dotted];
+    let named: Vec<_> = columns.iter().map(|column| &trace.columns()[*column]).collect();
+    let alone =
+        named.iter().all(|one| named.iter().filter(|other| other.owner() == one.owner()).count() == 1);
+    let (label, shown) = kind.axis();
     let mut curves = Vec::new();
-    for (order, column) in columns.iter().take(CURVES).enumerate() {
-        let mut points = trace.curve(*column, kind.factor);
+    for (order, (column, named)) in columns.iter().zip(&named).take(CURVES).enumerate() {
+        let mut points = trace.curve(*column, shown.factor);
         for (time, height) in &mut points {
-            (*time, *height) = (*time / clock.seconds, *height + kind.offset);
+            (*time, *height) = (*time / clock.seconds, *height + shown.offset);
         }
         let points = thin(&points, 500);
         let dash = dashes[order % dashes.len()];
-        curves.push(Curve::new(short(&trace.columns()[*column].name), CYCLE[order], dash, points));
+        let name = match kind {
+            Kind::Phi => "φ",
+            Kind::Form(..) if alone => named.owner(),
+            Kind::Form(..) | Kind::Inputs => &named.name,
+        };
+        curves.push(Curve::new(name, CYCLE[order], dash, points));
     }
     let values = || curves.iter().flat_map(|curve| &curve.points);
     let end = values().map(|point| point.0).fold(0.0, f64::max).max(1e-6);
     let mut heights: Vec<_> = values().map(|point| point.1).filter(|height| height.is_finite()).collect();
     heights.sort_unstable_by(f64::total_cmp);
     // The last steps of a run that diverges would press everything else flat.
-    let wild = diverged
-        && !columns
-            .iter()
-            .any(|k| matches!(trace.columns()[*k].figure, Figure::Point(Quantity::Input { .. })));
-    let cut = if wild { heights.len() / 50 } else { 0 };
-    let shown = heights.get(cut..heights.len() - cut).unwrap_or(&[]);
-    let y = if columns.iter().all(|column| trace.columns()[*column].figure == Figure::Phi) {
-        Axis::linear(kind.label, 0.0, 1.06)
+    let cut = if diverged && kind != Kind::Inputs { heights.len() / 50 } else { 0 };
+    let inner = heights.get(cut..heights.len() - cut).unwrap_or(&[]);
+    let y = if kind == Kind::Phi {
+        Axis::linear(&label, 0.0, 1.06)
     } else {
-        Axis::around(kind.label, shown.iter().copied(), 1e-3)
+        Axis::around(&label, inner.iter().copied(), 1e-3)
     };
-    let mut panel = Panel::new(kind.title, Axis::linear(clock.label, 0.0, end), y);
+    let mut panel = Panel::new(&title(&named), Axis::linear(clock.label, 0.0, end), y);
     panel.curves = curves;
     panel
-}
-
-/// A column's name for a legend.
-fn short(name: &str) -> &str {
-    if name == "phi" {
-        return "φ";
-    }
-    let endings = [
-        ".mass_flow_kg_s",
-        ".outlet_pressure_gauge_pa",
-        ".pressure_gauge_pa",
-        "_kg_s",
-        "_pa",
-        "_kg",
-        "_w",
-        "_k",
-    ];
-    endings.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name)
 }

@@ -1,13 +1,13 @@
 //! The report of a run, as data; its JSON form is what other programs read.
 
 use eclss_core::climate::Ledger;
-use eclss_core::{Fault, Health, Margin, Place, Proof, Simulator};
-use eclss_network_file::{Loaded, Names, Quantity};
+use eclss_core::signal::Owner;
+use eclss_core::{Fault, Health, Margin, Output, Place, Proof, Simulator};
+use eclss_network_file::{Loaded, Names};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Breach, Plan, Slowed};
 use crate::Source;
-use crate::trace::{Figure, Segments};
 
 /// Version of the JSON form.
 const FORMAT: u32 = 1;
@@ -193,17 +193,18 @@ impl Snapshot {
     pub(super) fn take(loaded: &Loaded, simulator: &Simulator<'_>) -> Self {
         let (mut flows, mut gauges, mut inputs, mut climate) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let segments = Segments::of(simulator);
-        for record in loaded.all_records() {
-            let value = Figure::Point(record.quantity).read(simulator, &segments);
-            let id = || record.name.rsplit_once('.').map_or(record.name.as_str(), |parts| parts.0).to_owned();
-            match record.quantity {
-                Quantity::LineFlow { .. } | Quantity::SegmentFlow { .. } => flows.push((id(), value)),
-                Quantity::NodePressure { .. } | Quantity::OutletPressure { .. } => gauges.push((id(), value)),
-                Quantity::Input { .. } => inputs.push((record.name.clone(), value)),
-                Quantity::Air { .. } | Quantity::Exchanger { .. } => {
-                    climate.push((record.name.clone(), value));
-                }
+        let named = loaded.standard_signals();
+        let signals: Vec<_> = named.iter().map(|named| named.signal).collect();
+        let mut values = vec![f32::NAN; signals.len()];
+        simulator.read_signals(&signals, &mut values);
+        for (named, value) in named.iter().zip(values) {
+            match named.signal.output {
+                Output::MassFlow | Output::SegmentFlow => flows.push((named.owner().to_owned(), value)),
+                Output::Pressure | Output::OutletPressure => gauges.push((named.owner().to_owned(), value)),
+                Output::Input => inputs.push((named.name.clone(), value)),
+                // They stand beside the lists.
+                output if output.owner() == Owner::Run => {}
+                _ => climate.push((named.name.clone(), value)),
             }
         }
         let reference = f64::from(loaded.reference_pa);

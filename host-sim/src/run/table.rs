@@ -1,7 +1,9 @@
 //! The report of a run for people.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 
+use eclss_core::signal::{Display, Shown};
 use eclss_network_file::{Loaded, Names};
 
 use super::{ById, GUARD, RunReport, Snapshot, TOLD_BELOW};
@@ -79,7 +81,7 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
     let room = names.nodes.iter().chain(&names.lines).chain(&names.segments).chain(&names.inputs);
     let climate = at.climate.0.iter().map(|(id, _)| id);
     let room = room.chain(climate).map(|id| id.chars().count()).max().unwrap_or(0).max(6) + 2;
-    writeln!(out, "  {:<room$} {:>14} {:>16} {:>14}", "", "flow [g/s]", "pressure [Pa]", "gauge [Pa]")?;
+    writeln!(out, "  {:<room$} {:>14} {:>16} {:>14}", "", "flow [g/s]", "absolute [Pa]", "gauge [Pa]")?;
     for id in &names.nodes {
         row(out, at, id, id, room)?;
     }
@@ -93,9 +95,17 @@ fn write_snapshot(out: &mut dyn Write, names: &Names, at: &Snapshot, loaded: &Lo
     for (id, value) in &at.inputs.0 {
         writeln!(out, "  {id:<room$} {value:>14}")?;
     }
+    let displays: HashMap<_, _> =
+        loaded.signals().into_iter().map(|named| (named.name, named.spec.display)).collect();
     for (id, value) in &at.climate.0 {
-        let (shown, unit) = in_use(id, *value);
-        writeln!(out, "  {id:<room$} {shown:>14.4} {unit}")?;
+        let Shown { unit, datum, factor, offset } =
+            displays.get(id).map_or(Display::Number, |display| *display).shown();
+        let shown = f64::from(*value) * factor + offset;
+        writeln!(
+            out,
+            "  {id:<room$} {shown:>14.4} {unit}{}{datum}",
+            if datum.is_empty() { "" } else { " " }
+        )?;
     }
     for ledger in &at.ledgers {
         let gap = ledger.held - ledger.supplied;
@@ -136,19 +146,6 @@ pub(crate) fn part(value: f32) -> String {
 
 fn find<V: Copy>(list: &ById<V>, id: &str) -> Option<V> {
     list.0.iter().find(|(name, _)| name == id).map(|(_, value)| *value)
-}
-
-/// A figure of the climate in the unit that people read.
-fn in_use(name: &str, value: f32) -> (f32, &'static str) {
-    match name.rsplit('.').next().unwrap_or_default() {
-        "temperature" | "dew_point" | "air_outlet" => (value - 273.15, "°C"),
-        "relative_humidity" => (100.0 * value, "%"),
-        "heat" | "coolant_heat" => (value, "W"),
-        "condensate" => (value * 1e3, "g/s"),
-        "film" | "separator" | "tank" | "liquid" => (value, "kg"),
-        "mixed" => (value, "1"),
-        _ => (value, "Pa"),
-    }
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use eclss_core::Excursion;
 use eclss_core::climate::monitor::Limit;
+use eclss_network_file::NamedSignal;
 
 /// Commands that wait at most; more are refused, so that nobody fills the plant's memory.
 const COMMANDS: usize = 64;
@@ -22,6 +23,23 @@ pub struct Value {
     pub id: String,
     /// Unit; `1` for a ratio.
     pub unit: String,
+    /// Name for people.
+    pub label: &'static str,
+    /// Name of its form, [`eclss_core::signal::Display::name`]: which unit people read, gauge or absolute.
+    pub display: &'static str,
+}
+
+impl Value {
+    /// What is published of a signal.
+    pub fn of(named: &NamedSignal) -> Self {
+        let spec = &named.spec;
+        Self {
+            id: named.name.clone(),
+            unit: spec.unit().to_owned(),
+            label: spec.label,
+            display: spec.display.name(),
+        }
+    }
 }
 
 /// An input that can be moved.
@@ -31,6 +49,8 @@ pub struct Input {
     pub id: String,
     /// Unit.
     pub unit: String,
+    /// Name of its form, as of a [`Value`].
+    pub display: &'static str,
     /// Smallest value.
     pub min: f32,
     /// Largest value.
@@ -401,7 +421,12 @@ pub(super) mod tests {
             reference_pa: 0.0,
             control: true,
             scenarios: Vec::new(),
-            values: vec![Value { id: "a.pressure".into(), unit: "Pa".into() }],
+            values: vec![Value {
+                id: "a.pressure".into(),
+                unit: "Pa".into(),
+                label: "",
+                display: "gauge_pressure",
+            }],
             inputs: Vec::new(),
             nodes: Vec::new(),
             lines: Vec::new(),

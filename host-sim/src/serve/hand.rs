@@ -213,7 +213,8 @@ mod tests {
         let settings = Settings { method: Method::ImplicitEuler, step_us: 10_000 };
         let mut simulator = buffers.simulator(&network, settings).unwrap();
         let input = |id: &str| source.loaded.names.inputs.iter().position(|name| name == id).unwrap();
-        let spec = |id: &String| Input { id: id.clone(), unit: "1".into(), min: 0.0, max: 1.0 };
+        let spec =
+            |id: &String| Input { id: id.clone(), unit: "1".into(), display: "ratio", min: 0.0, max: 1.0 };
         let mut hand = Hand::new(source.loaded.names.inputs.iter().map(spec).enumerate().collect());
         hand.begin(&network);
         let mut states = vec![InputState::Free; source.loaded.names.inputs.len()];

@@ -7,15 +7,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use eclss_core::climate::Measure;
+use eclss_core::signal::OutputSpec;
 use eclss_core::{Health, Network, Place, Settings};
 
-use super::feed::{Catalogue, Input, LineInfo, NodeInfo, Publisher};
+use super::feed::{Catalogue, Input, LineInfo, NodeInfo, Publisher, Value};
 use super::hand::{Asked, Hand};
 use super::pace::{Costs, Pace};
-use super::reading::{Reading, values};
+use super::reading::{published, signals};
 use crate::refusal::refused;
-use crate::trace::Segments;
 use crate::{Closure, Failure, HostBuffers, Source, is_pseudo_time};
 
 /// Time between two frames.
@@ -66,26 +65,15 @@ impl Plant {
     /// Slots of the inputs in the order of the catalogue, with their ranges.
     fn inputs(&self) -> Vec<(usize, Input)> {
         let loaded = &self.source.loaded;
-        let all = loaded.names.inputs.iter().zip(&loaded.units).zip(&loaded.ranges);
-        let input = |((id, unit), &(min, max)): ((&String, &&str), &(f32, f32))| Input {
+        let all = loaded.names.inputs.iter().zip(&loaded.input_specs).zip(&loaded.ranges);
+        let input = |((id, spec), &(min, max)): ((&String, &OutputSpec), &(f32, f32))| Input {
             id: id.clone(),
-            unit: (*unit).to_owned(),
+            unit: spec.unit().to_owned(),
+            display: spec.display.name(),
             min,
             max,
         };
-        let mut inputs: Vec<_> = all.map(input).enumerate().collect();
-        // Setpoint and bias are in the unit of what is measured.
-        for control in &loaded.climate.loops {
-            let unit = match control.measure {
-                Measure::Temperature(_) | Measure::DewPoint(_) | Measure::AirOutlet(_) => "K",
-                Measure::RelativeHumidity(_) => "1",
-                Measure::Pressure(_) | Measure::Partial(..) => "Pa",
-            };
-            for (_, input) in inputs.iter_mut().skip(control.first_input as usize).take(2) {
-                unit.clone_into(&mut input.unit);
-            }
-        }
-        inputs
+        all.map(input).enumerate().collect()
     }
 
     /// What the page is told once.
@@ -93,12 +81,6 @@ impl Plant {
         let loaded = &self.source.loaded;
         let graph = crate::schematic::Graph::of(&loaded.file);
         let step = crate::Duration::from_us(u64::from(self.settings.step_us));
-        let mut values = values(loaded, self.settings.method);
-        for (_, input) in self.inputs() {
-            if let Some(value) = values.iter_mut().find(|value| value.id == input.id) {
-                value.unit = input.unit;
-            }
-        }
         Catalogue {
             title: graph.title.clone(),
             source: self.source.name.clone(),
@@ -109,7 +91,7 @@ impl Plant {
             reference_pa: loaded.reference_pa,
             control,
             scenarios: self.scenarios.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            values,
+            values: published(loaded, self.settings.method).iter().map(Value::of).collect(),
             inputs: self.inputs().into_iter().map(|(_, input)| input).collect(),
             nodes: graph
                 .nodes
@@ -161,9 +143,8 @@ impl Plant {
             .simulator(&network, self.settings)
             .map_err(|error| refused(&self.source, self.settings, &error))?;
         hand.begin(&network);
-        let reading = Reading::new(&self.source.loaded);
+        let signals = signals(&self.source.loaded, self.settings.method);
         let mut ledger = Closure::new(&self.source.loaded);
-        let mut segments = Segments::of(&simulator);
         let mut pace = Pace::new(self.settings.step_us);
         pace.set_speed(hand.speed);
         let mut shown = Instant::now().checked_sub(FRAME).unwrap_or_else(Instant::now);
@@ -197,7 +178,7 @@ impl Plant {
                 shown = if last - shown < 2 * FRAME { shown + FRAME } else { last };
                 let closure = ledger.read(&simulator);
                 publisher.publish(|frame| {
-                    reading.read(&simulator, &mut segments, &mut frame.values);
+                    simulator.read_signals(&signals, &mut frame.values);
                     hand.show(&simulator, &mut frame.inputs);
                     let figures = &mut frame.figures;
                     (figures.tick, figures.t_s) = (simulator.tick(), simulator.time_us() as f64 * 1e-6);

@@ -144,14 +144,14 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::serve::feed::{Value, tests::catalogue};
+    use crate::serve::feed::tests::catalogue;
 
     #[test]
     fn a_recording_is_a_table_and_nothing_is_written_unasked() {
         let folder = std::env::temp_dir().join(format!("eclss-recorder-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let catalogue = catalogue();
-        assert_eq!(catalogue.values, [Value { id: "a.pressure".into(), unit: "Pa".into() }]);
+        assert_eq!(catalogue.values.len(), 1);
         let recorder = Recorder::default();
         let begin = |name: &str| recorder.ask(&Wish { file: Some(name.into()) }, &catalogue);
         assert!(begin("a").unwrap_err().contains("--recordings"));

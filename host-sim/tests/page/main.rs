@@ -46,7 +46,7 @@ fn it_loads_keeps_up_and_asks_nobody_else() {
     browser.run("document.querySelector('#all details').open = true");
     browser.wait(
         "the table is filled",
-        "return document.querySelector('#table td').textContent.endsWith('kPa abs')",
+        "return document.querySelector('#table td').textContent.endsWith('Pa gauge')",
     );
     assert_quiet(&browser);
     let requests = browser.requests();

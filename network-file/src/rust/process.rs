@@ -63,9 +63,9 @@ fn input(channel: &InputChannel<'_>) -> String {
 fn output(channel: &OutputChannel<'_>) -> String {
     let c = channel;
     format!(
-        "OutputChannel {{ point: Point::{:?}, port: {}, scaling: {}, min: {:?}, max: {:?}, max_rate_per_s: {}, \
+        "OutputChannel {{ signal: {}, port: {}, scaling: {}, min: {:?}, max: {:?}, max_rate_per_s: {}, \
          safe_value: {:?}, safe_rate_per_s: {:?} }}",
-        c.point,
+        debug(&c.signal).replace("{ output: ", "{ output: Output::"),
         port(c.port),
         scaling(&c.scaling),
         c.min,

@@ -7,12 +7,12 @@ use ::eclss_core::element::{
 };
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
-    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
+    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
     Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
-    Settings, Sizes, StdElement,
+    Output, Settings, Signal, Sizes, StdElement,
 };
 
 /// Name of the network.

@@ -7,16 +7,16 @@ use ::eclss_core::element::{
 };
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
-    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
+    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
     Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
-    Settings, Sizes, StdElement,
+    Output, Settings, Signal, Sizes, StdElement,
 };
 #[allow(unused_imports)] // nor everything that a climate may have
 use ::eclss_core::{
-    climate::condenser::Condenser, climate::medium::Medium, climate::{Contents::*, ControlLoop, Crew, Exchanger, Measure::*, Passage::*, Remover, Source, Station, Volume, Wall},
+    climate::condenser::Condenser, climate::medium::Medium, climate::{Contents::*, ControlLoop, Crew, Exchanger, Passage::*, Remover, Source, Station, Volume, Wall},
     control::{Actuator, Controller::*, Sensor},
 };
 
@@ -24,7 +24,7 @@ use ::eclss_core::{
 pub const NAME: &str = "thcs";
 
 /// Network id.
-pub const NETWORK_ID: u64 = 0x721354d3b767e5d3;
+pub const NETWORK_ID: u64 = 0x2f8db00e01d56299;
 
 /// Method of the file.
 pub const METHOD: Method = Method::ImplicitEuler;
@@ -374,10 +374,10 @@ pub static WALLS: [Wall; 1] = [
 
 /// Control loops.
 pub static LOOPS: [ControlLoop; 4] = [
-    ControlLoop { measure: Temperature(0), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 2228928019 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 41 },
-    ControlLoop { measure: Temperature(5), sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1891996012 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 11, opposite: 4294967295, first_input: 45 },
-    ControlLoop { measure: Partial(0, 1), sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1645029807 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 29, opposite: 4294967295, first_input: 49 },
-    ControlLoop { measure: Pressure(0), sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 3483767528 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 28, opposite: 4294967295, first_input: 53 },
+    ControlLoop { measures: Signal { output: Output::Temperature, owner: 0, item: 0 }, sensor: Sensor { min: 273.0, max: 323.0, lag_s: 20.0, noise: 0.02, seed: 2228928019 }, controller: Pid(::eclss_core::control::Pid { gain: -0.2, integral_s: 900.0, derivative_s: 0.0, dead_band: 0.25, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.06666667, stiction: 0.005, closed: 0.1, open: 1.0 }, drives: 1, opposite: 2, first_input: 41 },
+    ControlLoop { measures: Signal { output: Output::Temperature, owner: 5, item: 0 }, sensor: Sensor { min: 273.0, max: 323.0, lag_s: 5.0, noise: 0.0, seed: 1891996012 }, controller: Pid(::eclss_core::control::Pid { gain: -0.05, integral_s: 120.0, derivative_s: 0.0, dead_band: 0.0, bias: 0.0, rate_per_s: f32::INFINITY }), actuator: Actuator { rate_per_s: 0.1, stiction: 0.0, closed: 0.0, open: -8000.0 }, drives: 11, opposite: 4294967295, first_input: 45 },
+    ControlLoop { measures: Signal { output: Output::PartialPressure, owner: 0, item: 1 }, sensor: Sensor { min: 0.0, max: 40000.0, lag_s: 0.0, noise: 0.0, seed: 1645029807 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 50.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 29, opposite: 4294967295, first_input: 49 },
+    ControlLoop { measures: Signal { output: Output::TotalPressure, owner: 0, item: 0 }, sensor: Sensor { min: 0.0, max: 200000.0, lag_s: 0.0, noise: 0.0, seed: 3483767528 }, controller: Thermostat(::eclss_core::control::Thermostat { half_band: 100.0, on_when_high: false }), actuator: Actuator { rate_per_s: 1.0, stiction: 0.0, closed: 0.0, open: 0.0002 }, drives: 28, opposite: 4294967295, first_input: 53 },
 ];
 
 /// The description with the method and step of the file, for a step specialised at compile time.

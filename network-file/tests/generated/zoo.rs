@@ -7,12 +7,12 @@ use ::eclss_core::element::{
 };
 #[allow(unused_imports)] // nor channels
 use ::eclss_core::process::{
-    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Point, Port, Scaling,
+    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, Port, Scaling,
 };
 #[allow(unused_imports)] // nor schedules
 use ::eclss_core::{
     Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, Schedule, SchedulePoint, Segment,
-    Settings, Sizes, StdElement,
+    Output, Settings, Signal, Sizes, StdElement,
 };
 
 /// Name of the network.
@@ -264,9 +264,9 @@ pub static INPUT_CHANNELS: [InputChannel; 2] = [
 
 /// Channels from the plant to hardware.
 pub static OUTPUT_CHANNELS: [OutputChannel; 3] = [
-    OutputChannel { point: Point::NodeGauge(0), port: Port::Analog(0), scaling: Scaling { electrical: Curve { points: &[[0.0, 0.0], [4095.0, 3.3]] }, engineering: Curve { points: &[[0.0, -5000.0], [3.3, 5000.0]] }, wire: None, calibration: Calibration { id: "", date: 0 } }, min: -5000.0, max: 5000.0, max_rate_per_s: 1000000.0, safe_value: 0.0, safe_rate_per_s: 10000.0 },
-    OutputChannel { point: Point::SegmentFlow { line: 1, segment: 4 }, port: Port::Link, scaling: Scaling::NONE, min: -1.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 0.0, safe_rate_per_s: 2.0 },
-    OutputChannel { point: Point::Input(1), port: Port::Link, scaling: Scaling::NONE, min: 0.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 1.0, safe_rate_per_s: 1.0 },
+    OutputChannel { signal: Signal { output: Output::Pressure, owner: 0, item: 0 }, port: Port::Analog(0), scaling: Scaling { electrical: Curve { points: &[[0.0, 0.0], [4095.0, 3.3]] }, engineering: Curve { points: &[[0.0, -5000.0], [3.3, 5000.0]] }, wire: None, calibration: Calibration { id: "", date: 0 } }, min: -5000.0, max: 5000.0, max_rate_per_s: 1000000.0, safe_value: 0.0, safe_rate_per_s: 10000.0 },
+    OutputChannel { signal: Signal { output: Output::SegmentFlow, owner: 4, item: 0 }, port: Port::Link, scaling: Scaling::NONE, min: -1.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 0.0, safe_rate_per_s: 2.0 },
+    OutputChannel { signal: Signal { output: Output::Input, owner: 1, item: 0 }, port: Port::Link, scaling: Scaling::NONE, min: 0.0, max: 1.0, max_rate_per_s: f32::INFINITY, safe_value: 1.0, safe_rate_per_s: 1.0 },
 ];
 
 /// Names of the input channels.
@@ -283,7 +283,7 @@ pub static OUTPUT_CHANNEL_NAMES: [&str; 3] = [
 ];
 
 /// Id of the process image.
-pub const PROCESS_ID: u64 = 0x71720336cf7d6e3d;
+pub const PROCESS_ID: u64 = 0x05ea6a0e325ab338;
 
 /// The process image.
 pub static PROCESS: Image<'static> = Image {

@@ -2,10 +2,10 @@
 
 use super::{Figure, calling, counted};
 use core::hint::black_box;
+use eclss_core::Output;
 use eclss_core::mode::Mode;
 use eclss_core::process::{
-    CHANNELS, Hold, Image, InputChannel, InputState, OutputChannel, OutputState, Point, Port, Process,
-    Scaling,
+    CHANNELS, Hold, Image, InputChannel, InputState, OutputChannel, OutputState, Port, Process, Scaling,
 };
 use eclss_core::protocol::{Config, FRAME_BYTES, Link, Outgoing, Role};
 
@@ -31,7 +31,7 @@ const INPUT: InputChannel<'static> = InputChannel {
 };
 
 const OUTPUT: OutputChannel<'static> = OutputChannel {
-    point: Point::LineFlow(0),
+    signal: Output::MassFlow.of(0),
     port: Port::Link,
     scaling: Scaling::NONE,
     min: -1.0,

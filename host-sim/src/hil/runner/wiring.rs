@@ -69,13 +69,12 @@ type Shown = (Option<(Page, Album)>, Option<Camera>);
 pub(super) fn open_page(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Shown, Failure> {
     let Some(address) = job.page else { return Ok((None, None)) };
     let catalogue = catalogue(source, job.settings, "this computer, with hardware")?;
-    let values = catalogue.values.len();
     let page = Page::new(source, catalogue, job.settings, address)?;
     if job.shows {
         // Who does not read our output does not stop hardware.
         let _ = writeln!(out, "page http://{}/", page.address());
     }
-    let (camera, album) = page.camera(source, values);
+    let (camera, album) = page.camera(source, job.settings);
     Ok((Some((page, album)), Some(camera)))
 }
 

@@ -1,9 +1,11 @@
 //! Control: sensors, controllers and actuators of the document, and what of them makes no sense.
 
-use eclss_core::climate::{Contents, ControlLoop, Measure};
+use eclss_core::climate::ControlLoop;
 use eclss_core::control::{Actuator, Controller, Pid, Sensor, Thermostat};
+use eclss_core::signal::Owner;
+use eclss_core::{Output, Signal};
 
-use super::{Lowering, part_of};
+use super::Lowering;
 use crate::document::air::{ControlEntry, ControlKind};
 use crate::limits;
 
@@ -56,30 +58,19 @@ impl Lowering<'_, '_> {
     fn unit_of(&self, slot: u32) -> &'static str {
         let Some(slot) = self.tables.slots.get(slot as usize) else { return "" };
         let Some(control) = self.of_setpoint(&slot.name) else { return slot.spec.unit };
-        match self.file.controls[control].measures.rsplit('.').next() {
-            Some("temperature" | "dew_point" | "air_outlet") => "K",
-            Some("relative_humidity") => "1",
-            _ => "Pa",
-        }
+        self.measured(&self.file.controls[control].measures).map_or("", |signal| signal.spec().unit())
     }
 
-    fn measure(&self, text: &str) -> Option<Measure> {
-        let (id, what) = text.split_once('.')?;
+    /// Signal of a volume or an exchanger by its name.
+    fn measured(&self, text: &str) -> Option<Signal> {
+        let (id, what) = text.rsplit_once('.')?;
+        let climate = self.climate.climate();
+        let is = |signal: &Signal| signal.spec().name == what;
         if let Some(index) = self.climate.exchanger_names.iter().position(|name| name == id) {
-            return (what == "air_outlet").then_some(Measure::AirOutlet(index as u32));
+            return climate.exchanger_signals(index).find(is);
         }
         let node = self.file.nodes.iter().position(|node| node.id == id)?;
-        let air = self.climate.volumes.get(node)?.contents == Contents::Air;
-        let node = node as u32;
-        match what {
-            "temperature" => Some(Measure::Temperature(node)),
-            // Of coolant a sensor knows no more.
-            _ if !air => None,
-            "dew_point" => Some(Measure::DewPoint(node)),
-            "relative_humidity" => Some(Measure::RelativeHumidity(node)),
-            "total_pressure" => Some(Measure::Pressure(node)),
-            part => part_of(part).map(|part| Measure::Partial(node, part)),
-        }
+        climate.volume_signals(node).find(is)
     }
 
     /// Refuses a control that could be built and would make no sense.
@@ -139,11 +130,10 @@ impl Lowering<'_, '_> {
     }
 
     fn control(&mut self, entry: &ControlEntry, path: &str, first_input: u32) {
-        let measure = self.measure(&entry.measures);
-        if measure.is_none() {
+        let measures = self.measured(&entry.measures);
+        if measures.is_none() {
             let span = self.notes.place(path, &["measures"]);
-            let help = "measured are <node>.temperature, .dew_point, .relative_humidity, .total_pressure, .oxygen and \
-                        other parts, and <condenser>.air_outlet";
+            let help = format!("measured are {}", measurable());
             self.notes.refuse_with(span, format!("there is nothing `{}` to measure", entry.measures), help);
         }
         let setpoint = format!("{}.setpoint", entry.id);
@@ -198,7 +188,7 @@ impl Lowering<'_, '_> {
             }
         }
         self.climate.loops.push(ControlLoop {
-            measure: measure.unwrap_or(Measure::Temperature(0)),
+            measures: measures.unwrap_or(Output::Temperature.of(0)),
             sensor,
             controller,
             actuator,
@@ -207,6 +197,17 @@ impl Lowering<'_, '_> {
             first_input,
         });
     }
+}
+
+/// Names of everything that a sensor can look at.
+fn measurable() -> String {
+    let signals = Output::ALL.iter().flat_map(|output| (0..output.items()).map(|item| output.item(0, item)));
+    let name = |signal: Signal| match signal.output.owner() {
+        Owner::Volume | Owner::Air => Some(format!("<node>.{}", signal.spec().name)),
+        Owner::Exchanger => Some(format!("<condenser>.{}", signal.spec().name)),
+        _ => None,
+    };
+    signals.filter_map(name).collect::<Vec<_>>().join(", ")
 }
 
 /// Seed of the noise of a sensor by its name (FNV-1a), so that no two sensors have the same noise and a file has the same
