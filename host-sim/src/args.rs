@@ -40,6 +40,8 @@ pub(crate) enum Command {
     Steady(SteadyArgs),
     /// Draw a network as a piping schematic.
     Schematic(SchematicArgs),
+    /// List what a network publishes: names for records, channels, sensors and captures, with unit and meaning.
+    Signals(SignalsArgs),
     /// Run a network at the clock's pace and show it in the browser.
     Serve(ServeArgs),
     /// Write the whole validation into one HTML file.
@@ -332,6 +334,16 @@ pub(crate) enum Made {
     Ring,
     /// Station of equal modules.
     Modules,
+}
+
+/// Arguments of `signals`.
+#[derive(Debug, Args)]
+pub(crate) struct SignalsArgs {
+    /// Network file; the paper's network when absent.
+    pub(crate) network: Option<PathBuf>,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Arguments of `schematic`.

@@ -10,6 +10,7 @@ mod report;
 mod run;
 mod schematic;
 mod serve;
+mod signals;
 mod stability;
 mod steady;
 
@@ -63,6 +64,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Steady(args)) => steady::run(args, out),
         Some(Command::Schematic(args)) => schematic::run(args, out),
         Some(Command::Serve(args)) => serve::run(args, out),
+        Some(Command::Signals(args)) => signals::run(args, out),
         #[cfg(feature = "hil")]
         Some(Command::Hil(args)) => hil::run(args, out),
         #[cfg(feature = "hil")]

@@ -107,3 +107,52 @@ fn several_lines_and_nodes_are_reported_by_id() {
     assert!(code == 0 && out.contains("line `imv`, input `imv_valve.opening`"), "{out}");
     assert!(!out.contains("line `hatch`"), "a line without inputs has nothing to sweep: {out}");
 }
+
+/// What `signals` lists of a network without `record` is what a run of it writes: as columns and in the JSON.
+#[test]
+fn the_list_of_signals_is_what_a_run_writes() {
+    let folder = Folder::new("json_signals");
+    let thcs = concat!(env!("CARGO_MANIFEST_DIR"), "/../networks/thcs.toml");
+    let text = std::fs::read_to_string(thcs).unwrap();
+    let (head, rest) = text.split_once("record = [").unwrap();
+    let (_, rest) = rest.split_once("\n]\n").unwrap();
+    std::fs::write(folder.path("all.toml"), format!("{head}{rest}")).unwrap();
+    let (code, list) = run(&folder, &["signals", "all.toml", "--json"]);
+    assert_eq!(code, 0);
+    let listed = list["signals"].as_array().unwrap();
+    let standard = || listed.iter().filter(|row| row["standard"] == true);
+    let (code, report) = run(&folder, &["run", "all.toml", "--until", "100ms", "--out", "out", "--json"]);
+    assert_eq!(code, 0);
+    let csv = std::fs::read_to_string(folder.path("out/run_implicit-euler.csv")).unwrap();
+    let columns: Vec<_> = csv.lines().next().unwrap().split(',').skip(1).collect();
+    assert_eq!(columns, standard().map(|row| row["column"].as_str().unwrap()).collect::<Vec<_>>());
+    assert!(columns.contains(&"cabin.pressure_gauge_pa") && columns.contains(&"cabin.total_pressure_pa"));
+    let last = report["at"].as_array().unwrap().last().unwrap();
+    let row: Vec<_> = csv.lines().last().unwrap().split(',').skip(1).collect();
+    for (signal, cell) in standard().zip(row) {
+        let name = signal["name"].as_str().unwrap();
+        let owner = name.rsplit_once('.').map_or(name, |(owner, _)| owner);
+        let value = ["flows_kg_s", "gauge_pa"].map(|key| &last[key][owner]);
+        let value = match signal["display"].as_str().unwrap() {
+            "gauge_pressure" => value[1],
+            "mass_flow" if name.ends_with(".mass_flow") => value[0],
+            _ if name == "phi" => &last["phi_min"],
+            _ if name == "spectral_bound" => &last[name],
+            _ => ["inputs", "climate"]
+                .map(|key| &last[key][name])
+                .into_iter()
+                .find(|v| !v.is_null())
+                .unwrap_or(&Value::Null),
+        };
+        let [value, cell] =
+            [value.as_f64(), cell.parse::<f64>().ok()].map(|number| number.map(|number| number as f32));
+        assert_eq!(value, cell, "{name}");
+    }
+    let (code, text, _) = folder.say(&["signals", "all.toml"]);
+    assert_eq!((code, text.lines().count()), (0, listed.len()));
+    assert!(
+        text.lines()
+            .any(|line| line.starts_with("cabin.pressure ") && line.ends_with("Pa     gauge pressure")),
+        "{text}"
+    );
+}
