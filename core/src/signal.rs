@@ -37,6 +37,8 @@ pub enum Owner {
     Control,
     /// An input slot.
     Input,
+    /// The ledgers of a climate; their only index is 0.
+    Books,
     /// The run; its only index is 0.
     Run,
 }
@@ -130,13 +132,16 @@ macro_rules! outputs {
 
 // Figure, owner, listing, name, label, display => value. A figure is its line; it may stand anywhere in its part.
 outputs! {
-    fn plant[E: Element](simulator: &Simulator<'_, E>, owner: usize) {
+    fn plant[E: Element](simulator: &Simulator<'_, E>, owner: usize, item: usize) {
         Pressure Node Standard "pressure" "gauge pressure" Display::GaugePressure => simulator.node_gauge_pa(owner);
         NodePhi Node OnRequest "phi" "storage factor φ" Display::Number => simulator.node_phi(owner);
         MassFlow Line Standard "mass_flow" "mass flow" Display::MassFlow => simulator.line_flow_kg_s(owner);
+        VolumeFlow GasLine Standard "volume_flow" "volume flow at the node it comes from" Display::VolumeFlow => simulator.line_volume_flow_m3_s(owner);
         LinePhi Line OnRequest "phi" "relaxation factor φ" Display::Number => simulator.line_phi(owner);
         Input Input Standard "" "input" Display::Number => at(simulator.inputs(), owner);
         Phi Run Standard "phi" "smallest φ of the last step" Display::Number => simulator.margin().phi;
+        MassGap Books OnRequest "" "mass that arithmetic lost" Display::Mass => gap(simulator, item);
+        EnergyGap Books OnRequest "energy_gap" "energy that arithmetic lost" Display::Other("J") => gap(simulator, MASSES.len());
         SpectralBound Run Standard "spectral_bound" "bound of the spectral radius" Display::Number => simulator.margin().spectral_bound;
     }
     fn segment[](flow_kg_s: f32, outlet_gauge_pa: f32) {
@@ -167,6 +172,14 @@ outputs! {
     }
 }
 
+/// Gaps of the ledgers that count masses, in their order; the one of energy is the last.
+const MASSES: [&str; 6] =
+    ["nitrogen_gap", "oxygen_gap", "carbon_dioxide_gap", "trace_gap", "water_gap", "coolant_gap"];
+
+fn gap<E: Element>(simulator: &Simulator<'_, E>, ledger: usize) -> f32 {
+    simulator.ledgers().get(ledger).map_or(f32::NAN, |ledger| ledger.gap() as f32)
+}
+
 fn at(list: &[f32], index: usize) -> f32 {
     list.get(index).copied().unwrap_or(f32::NAN)
 }
@@ -187,6 +200,7 @@ impl Output {
         match self {
             // What lies free has no partial pressure.
             Self::PartialPressure => Some(medium::NAMES.split_at(medium::LIQUID).0),
+            Self::MassGap => Some(&MASSES),
             _ => None,
         }
     }

@@ -60,7 +60,7 @@ pub(crate) fn all(network: &Network<'_>, names: &Names, inputs: &[OutputSpec]) -
                 let (name, spec) = (names.inputs.get(owner)?.clone(), *inputs.get(owner)?);
                 return Some(NamedSignal { name, signal, spec });
             }
-            Owner::Run => {
+            Owner::Books | Owner::Run => {
                 let spec = signal.spec();
                 return Some(NamedSignal { name: spec.name.to_owned(), signal, spec });
             }

@@ -115,6 +115,65 @@ fn pressures_of_air_add_up() {
     });
 }
 
+/// Volume flow times the density that partial pressures and temperature give is the mass flow; coolant has none.
+#[test]
+fn volume_flow_is_mass_flow_over_the_density_where_it_comes_from() {
+    let loaded = parse(THCS, "thcs.toml").unwrap();
+    let network = loaded.network();
+    run(&loaded, Method::ImplicitEuler, 10_000, 2_000, |simulator| {
+        let mut gas = 0;
+        for (index, line) in network.lines.iter().enumerate() {
+            let coolant = !network.publishes(Output::TotalPressure.of(line.from as usize));
+            assert_eq!(
+                network.publishes(Output::VolumeFlow.of(index)),
+                !coolant,
+                "{}",
+                loaded.names.lines[index]
+            );
+            let flow = simulator.signal(Output::MassFlow.of(index));
+            if coolant || flow.abs() < 1e-9 {
+                continue;
+            }
+            gas += 1;
+            let node = if flow > 0.0 { line.from } else { line.to } as usize;
+            let kelvin = f64::from(simulator.signal(Output::Temperature.of(node)));
+            let molar = [28.013_4, 31.998, 44.009, 18.015, 28.965];
+            let parts = molar.iter().enumerate().map(|(part, molar)| {
+                let partial = simulator.signal(Output::PartialPressure.item(node, part));
+                f64::from(partial) * molar / (8_314.463 * kelvin)
+            });
+            let volume = f64::from(simulator.signal(Output::VolumeFlow.of(index)));
+            assert!((volume * parts.sum::<f64>() / f64::from(flow) - 1.0).abs() < 1e-5, "{volume} {flow}");
+        }
+        assert!(gas > 3, "{gas}");
+    });
+    // The paper's loop at rest: 86.4776 g/s of dry air of 295.15 K and 101 325 Pa are 72.31 l/s.
+    let loaded = parse(PAPER, "paper.toml").unwrap();
+    run(&loaded, Method::Relaxation, 1_000, 9_000, |simulator| {
+        let volume = simulator.signal(Output::VolumeFlow.of(0));
+        let density = 101_325.0 / (287.05 * loaded.nodes[0].temperature_k);
+        assert!((volume * density - 0.086_477_6).abs() < 2e-6, "{volume}");
+    });
+}
+
+/// A gap is what the ledger of its name lacks, in its unit.
+#[test]
+fn gaps_are_those_of_the_ledgers() {
+    let loaded = parse(THCS, "thcs.toml").unwrap();
+    let all = loaded.signals();
+    run(&loaded, Method::ImplicitEuler, 10_000, 1_000, |simulator| {
+        for ledger in simulator.ledgers() {
+            let name = format!("{}_gap", ledger.name);
+            let named = all.iter().find(|named| named.name == name).unwrap();
+            let gap = (ledger.held - ledger.supplied) as f32;
+            assert_eq!(
+                (simulator.signal(named.signal).to_bits(), named.spec.unit()),
+                (gap.to_bits(), ledger.unit)
+            );
+        }
+    });
+}
+
 /// A sensor without lag, noise and fault reads the signal that it is bound to, in the unit of that signal.
 #[test]
 fn a_control_reads_the_signal_that_it_measures() {

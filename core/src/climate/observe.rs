@@ -3,7 +3,7 @@
 use super::buffers::{Seen, Work};
 use super::condenser::{Cells, WallStates};
 use super::exchanger::{SHOWN, STORES};
-use super::medium::{CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
+use super::medium::{self, CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
 use super::monitor::{Broken, FOGGED, Limit};
 use super::volume::{self, Contents, ENERGY, Figures, LEAST_FRACTION};
 use super::{Climate, ExchangerReadings, Volume};
@@ -140,6 +140,12 @@ impl VolumeView<'_> {
         moist::relative_humidity(self.partial_pa(VAPOUR), self.temperature_k())
     }
 
+    /// Density of the gas that flows out [kg/m³].
+    pub(crate) fn density_kg_m3(&self) -> f32 {
+        let gas_j_kg_k = medium::dot(self.fractions, &medium::GAS_CONSTANTS_J_KG_K);
+        self.pressure_pa() / (gas_j_kg_k * self.temperature_k())
+    }
+
     /// Free liquid water [kg].
     pub(crate) fn liquid_kg(&self) -> f32 {
         self.figures[2] * self.fractions[LIQUID]
@@ -194,6 +200,11 @@ impl<'o, 'n> Observed<'o, 'n> {
     /// A figure of a volume or an exchanger.
     pub(crate) fn read(&self, signal: Signal) -> f32 {
         self.rows().read(self.climate, self.step_s, signal)
+    }
+
+    /// Density of what a volume of air holds [kg/m³].
+    pub(crate) fn density_kg_m3(&self, node: usize) -> Option<f32> {
+        Some(self.rows().volume(self.climate, self.step_s, node)?.density_kg_m3())
     }
 
     /// Reading and position of a control loop, each in its own unit.

@@ -32,7 +32,8 @@ fn of(owner: usize, kinds: [Option<Owner>; 2]) -> impl Iterator<Item = Signal> {
 }
 
 impl<E: Element> Network<'_, E> {
-    /// All signals: nodes; lines, each with its elements; what nodes hold; exchangers; controls; inputs; the run.
+    /// All signals: nodes; lines, each with its elements; what nodes hold; exchangers; controls; inputs; ledgers;
+    /// the run.
     pub fn signals(&self) -> impl Iterator<Item = Signal> + '_ {
         let every = |count: usize, kind| (0..count).flat_map(move |owner| of(owner, [Some(kind), None]));
         let line = |(index, line): (usize, &crate::Line)| {
@@ -49,6 +50,7 @@ impl<E: Element> Network<'_, E> {
             .chain((0..climate.exchangers.len()).flat_map(|index| climate.exchanger_signals(index)))
             .chain(every(climate.loops.len(), Owner::Control))
             .chain(every(self.inputs.len(), Owner::Input))
+            .chain(every(usize::from(!climate.is_none()), Owner::Books))
             .chain(every(1, Owner::Run))
     }
 
@@ -63,6 +65,7 @@ impl<E: Element> Network<'_, E> {
             Owner::Volume | Owner::Air | Owner::Exchanger => self.climate.can_measure(signal),
             Owner::Control => owner < self.climate.loops.len(),
             Owner::Input => owner < self.inputs.len(),
+            Owner::Books => owner == 0 && !self.climate.is_none(),
             Owner::Run => owner == 0,
         };
         exists && usize::from(signal.item) < signal.output.items()

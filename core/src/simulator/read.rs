@@ -208,8 +208,8 @@ impl<'a, E: Element> Simulator<'a, E> {
                         |[reading, position]: [f32; 2]| signal::control(first.output, reading, position);
                     Some(found.map_or(f32::NAN, read))
                 }
-                Owner::Node | Owner::Line | Owner::GasLine | Owner::Input | Owner::Run => {
-                    Some(signal::plant(first.output, self, owner))
+                Owner::Node | Owner::Line | Owner::GasLine | Owner::Input | Owner::Books | Owner::Run => {
+                    Some(signal::plant(first.output, self, owner, first.item.into()))
                 }
             };
             if let (Some(place), Some(value)) = (into.first_mut(), value) {
@@ -247,6 +247,17 @@ impl<'a, E: Element> Simulator<'a, E> {
             }
         });
         count
+    }
+
+    /// Volume flow of line `line` [m³/s], at the pressure, temperature and composition of the node that it comes from; for
+    /// lines of gas.
+    pub fn line_volume_flow_m3_s(&self, line: usize) -> f32 {
+        let Some(description) = self.network.lines.get(line) else { return f32::NAN };
+        let flow_kg_s = self.line_flow_kg_s(line);
+        let node = if flow_kg_s < 0.0 { description.to } else { description.from } as usize;
+        let pressure_pa = self.network.reference_pa + self.node_gauge_pa(node);
+        let dry = || crate::air::density_kg_m3(pressure_pa, self.node_temperature_k(node));
+        flow_kg_s / self.climate().density_kg_m3(node).unwrap_or_else(dry)
     }
 
     /// φ of line `line` at its present flow [1]: below 1 method `relaxation` follows a change of the line more slowly than
