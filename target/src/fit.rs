@@ -22,8 +22,8 @@ pub struct Program {
     pub ram: u64,
 }
 
-/// Programs of the emulated boards: with the buffers of a network that is loaded at run time.
-pub const MPS2: Program = Program { flash: 256 << 10, ram: 192 << 10 };
+/// Programs of the emulated boards.
+pub const MPS2: Program = Program { flash: 256 << 10, ram: 48 << 10 };
 /// Program of the NUCLEO-H743ZI2: with the link and its frames on the stack.
 pub const NUCLEO: Program = Program { flash: 256 << 10, ram: 48 << 10 };
 

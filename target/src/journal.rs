@@ -8,7 +8,7 @@ use crate::control::{Cause, Event, SHOWN_OUTPUTS, Settings};
 use crate::coupling::LinkReport;
 use crate::display;
 use crate::fault::Fault;
-use crate::network::{NetworkPlant, Origin};
+use crate::network::NetworkPlant;
 #[cfg(target_os = "none")]
 use defmt::{error, info, warn};
 
@@ -40,7 +40,7 @@ impl Journal {
         let period_us = settings.period_us.get();
         let run = plant.settings();
         info!("board {}, counter {} Hz", board.name(), B::COUNTER_HZ);
-        info!("network {} {:016x}, {}", plant.name(), plant.network_id(), plant.origin().words());
+        info!("network {} {:016x}", plant.name(), plant.network_id());
         info!("method {}, step {} us", run.method.name(), run.step_us);
         match reason {
             ResetReason::PowerOn => info!("reset: power-on"),
@@ -136,15 +136,6 @@ impl Journal {
             info!("change {} dB", display::level_db(change / largest) as i32);
         }
         self.flows = flows;
-    }
-}
-
-impl Origin {
-    fn words(self) -> &'static str {
-        match self {
-            Self::CompiledIn => "compiled in",
-            Self::Loaded => "loaded",
-        }
     }
 }
 

@@ -15,7 +15,6 @@ pub mod fault;
 pub mod firmware;
 #[cfg(not(target_os = "none"))]
 pub mod fit;
-pub mod image;
 pub mod journal;
 pub mod loopback;
 #[cfg(all(target_os = "none", any(feature = "mps2", feature = "nucleo-h743zi2")))]

@@ -50,15 +50,6 @@ const _: () = {
     assert!(bytes == table::FLASH_BYTES);
 };
 
-/// Where a network came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// Constants of this build.
-    CompiledIn,
-    /// An image or a file, read at start-up.
-    Loaded,
-}
-
 /// How the step runs; the bits are the same.
 enum Stepper {
     Specialised(CompiledSimulator<'static, table::Configured>),
@@ -68,7 +59,6 @@ enum Stepper {
 /// A network and its process image.
 pub struct NetworkPlant {
     stepper: Stepper,
-    origin: Origin,
     name: &'static str,
     line_names: &'static [&'static str],
     /// Mass flows of the first lines \[kg/s\].
@@ -96,7 +86,6 @@ pub fn compiled_in() -> Result<NetworkPlant, BuildError> {
     };
     Ok(NetworkPlant {
         stepper: stepper.expect("description and settings are the simulator's"),
-        origin: Origin::CompiledIn,
         name: table::NAME,
         line_names: &table::LINE_NAMES,
         flows_kg_s: [0.0; SHOWN_OUTPUTS],
@@ -163,7 +152,6 @@ pub fn loaded(
 ) -> NetworkPlant {
     NetworkPlant {
         stepper: Stepper::General(simulator),
-        origin: Origin::Loaded,
         name,
         line_names,
         flows_kg_s: [0.0; SHOWN_OUTPUTS],
@@ -182,11 +170,6 @@ impl NetworkPlant {
     /// Name of the network.
     pub fn name(&self) -> &'static str {
         self.name
-    }
-
-    /// Where it came from.
-    pub fn origin(&self) -> Origin {
-        self.origin
     }
 
     /// Names of its lines, where they are known.

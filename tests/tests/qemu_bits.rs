@@ -1,12 +1,11 @@
 //! The same bits everywhere: after the paper's 26 s every method ends in the state that the host ends in, on every
-//! emulated board, with the network compiled in or loaded at run time.
+//! emulated board, with the step specialised for the network or the general one.
 
 use std::path::Path;
 
 use crate::emulator::{MACHINES, measure, measure_day, run};
-use eclss_core::{Fingerprint, Health, Method, Network, Settings, StdElement};
+use eclss_core::{Fingerprint, Health, Method, Network, StdElement};
 use eclss_network_file::Loaded;
-use eclss_target::image;
 use eclss_tests::product::with_simulator;
 
 /// Steps of 1 ms that the scenario takes.
@@ -42,15 +41,6 @@ fn on_the_host(network: &Network<'_>, method: Method) -> End {
         }
     })
     .expect("every method takes the paper's loop")
-}
-
-/// Writes an image of a network into the test's own folder and returns its path.
-fn image_of(network: &Network<'_>, method: Method, name: &str) -> String {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.image"));
-    let mut buffer = vec![0; image::BYTES];
-    let bytes = image::write(network, Settings { method, step_us: 1_000 }, &mut buffer).expect("it fits");
-    std::fs::write(&path, bytes).expect("the folder can be written");
-    path.to_str().expect("cargo's folders are text").to_owned()
 }
 
 /// State and values as the firmware's log shows them.
@@ -126,35 +116,13 @@ fn the_firmware_of_a_board_ends_in_the_state_of_the_host() {
     let end = on_the_host(&paper.network(), paper.run.method);
     for machine in MACHINES {
         let run = run(machine, &["seconds=26"]);
-        run.line(&format!("network paper {:016x}, compiled in", end.id));
+        run.line(&format!("network paper {:016x}", end.id));
         run.line(&shown(end));
         assert!(run.status.success());
     }
 }
 
-#[test]
-fn a_network_that_is_loaded_at_run_time_ends_in_the_same_state() {
-    let paper = paper();
-    for method in Method::ALL {
-        let path = image_of(&paper.network(), method, method.name());
-        let end = on_the_host(&paper.network(), method);
-        for machine in MACHINES {
-            let run = run(machine, &["seconds=26", &format!("image={path}")]);
-            run.line(&format!("{:016x}, loaded", end.id));
-            run.line(&format!("method {},", method.name()));
-            run.line(&shown(end));
-            assert_eq!(
-                run.count("cannot be trusted"),
-                usize::from(end.tick < STEPS),
-                "{machine} {}",
-                method.name()
-            );
-            assert_eq!(run.status.success(), end.tick == STEPS);
-        }
-    }
-}
-
-/// The smallest change of a parameter is seen in the values themselves, not only in the id: here and on the board.
+/// The smallest change of a parameter is seen in the values themselves, not only in the id.
 #[test]
 fn one_flipped_bit_of_a_parameter_changes_the_values() {
     let mut flipped = paper();
@@ -163,24 +131,4 @@ fn one_flipped_bit_of_a_parameter_changes_the_values() {
     pipe.resistance_pa_s2_kg2 = f32::from_bits(pipe.resistance_pa_s2_kg2.to_bits() ^ 1);
     let after = on_the_host(&flipped.network(), Method::Relaxation);
     assert!(before.id != after.id && before.values != after.values, "{before:?} {after:?}");
-    let path = image_of(&flipped.network(), Method::Relaxation, "flipped");
-    for machine in MACHINES {
-        run(machine, &["seconds=26", &format!("image={path}")]).line(&shown(after));
-    }
-}
-
-#[test]
-fn a_damaged_image_is_refused() {
-    let path = image_of(&paper().network(), Method::Relaxation, "damaged");
-    let mut bytes = std::fs::read(&path).expect("just written");
-    bytes[40] ^= 0x10;
-    std::fs::write(&path, bytes).expect("just written");
-    for machine in MACHINES {
-        let run = run(machine, &["seconds=1", &format!("image={path}")]);
-        run.line("the image is refused: Damaged");
-        assert!(!run.status.success());
-        let run = crate::emulator::run(machine, &["seconds=1", "image=no/such/file"]);
-        run.line("cannot read `no/such/file`");
-        assert!(!run.status.success());
-    }
 }

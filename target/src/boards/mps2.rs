@@ -5,7 +5,6 @@
 //!
 //! Source: ARM DAI 0386 and DAI 0400 (memory and interrupt maps), ARM DDI 0479 (CMSDK peripherals).
 
-mod loading;
 mod registers;
 pub(crate) mod semihosting;
 pub(crate) mod timer;
@@ -18,7 +17,7 @@ use crate::coupling::Coupling;
 use crate::firmware::{self, Heard, Teller};
 use crate::journal::{self, Journal};
 use crate::machine;
-use crate::network::{self, NetworkPlant, Origin};
+use crate::network::{self, NetworkPlant};
 use core::num::NonZeroU32;
 use eclss_core::protocol::{Link, Role};
 use embassy_executor::InterruptExecutor;
@@ -87,7 +86,10 @@ pub fn start(name: &'static str) -> ! {
     timer::init();
     let reason = machine::take_fault().map_or(ResetReason::PowerOn, ResetReason::Fault);
     let request = semihosting::Request::read();
-    let plant = loading::plant(&request);
+    let plant = network::compiled_in().unwrap_or_else(|error| {
+        defmt::error!("the network is refused: {}", error);
+        semihosting::exit(false)
+    });
     let period_us = NonZeroU32::new(plant.settings().step_us).unwrap_or(NonZeroU32::MIN);
     let per_second = NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN);
     let settings = Settings {
@@ -121,13 +123,8 @@ pub fn start(name: &'static str) -> ! {
         });
         spawner.spawn(controlling(board, link, settings, teller).expect("the loop starts once"));
     } else {
-        static NOTHING: StaticCell<Coupling<'static>> = StaticCell::new();
-        let coupling = match plant.origin() {
-            Origin::CompiledIn => {
-                network::compiled_in_coupling(|| network::compiled_in_link(&plant, Role::Plant, nonce))
-            }
-            Origin::Loaded => NOTHING.init_with(Coupling::none),
-        };
+        let coupling =
+            network::compiled_in_coupling(|| network::compiled_in_link(&plant, Role::Plant, nonce));
         if coupling.is_bound() {
             journal::process(coupling.process().image().id());
         }

@@ -1,7 +1,7 @@
 //! Talks to the emulator: what to run, and how it ended.
 #![allow(unsafe_code, reason = "a semihosting call is a trap with a pointer")]
 
-use cortex_m_semihosting::{debug, syscall, syscall1};
+use cortex_m_semihosting::{debug, syscall1};
 use defmt_semihosting as _;
 use heapless::String;
 
@@ -52,12 +52,11 @@ fn dig(depth: u32) -> u32 {
     dig(depth + 1).wrapping_add(ballast[depth as usize % 64])
 }
 
-/// What the emulator's command line asks for: words `seconds=N`, `image=PATH` (a network to load),
+/// What the emulator's command line asks for: words `seconds=N`,
 /// `overload=FROM_TICK:TICKS:MICROSECONDS`, `trap=panic|address|stack`, `pace=real|free` (whether to keep step with
 /// the wall's clock) and `role=plant|controller`.
 pub(super) struct Request {
     pub(super) seconds: u32,
-    pub(super) image: Option<String<LINE>>,
     pub(super) overload: Option<Overload>,
     pub(super) trap: Option<Trap>,
     /// Whether the processor sleeps between ticks, so that the emulator keeps step with the wall's clock.
@@ -77,31 +76,11 @@ pub(crate) fn command_line() -> String<LINE> {
     String::try_from(line).unwrap_or_default()
 }
 
-/// Reads a file of the host into `buffer`. `None` where it cannot be read or is longer.
-pub(super) fn read_file(path: &str, buffer: &mut [u8]) -> Option<usize> {
-    const READ_BINARY: usize = 1;
-    // The call wants the path with a zero behind it, which it does not count.
-    let mut name = String::<{ LINE + 1 }>::try_from(path).ok()?;
-    name.push('\0').ok()?;
-    // SAFETY: the emulator reads the name and writes at most the buffer's length into it.
-    unsafe {
-        let file = syscall!(OPEN, name.as_ptr(), READ_BINARY, path.len()).cast_signed();
-        if file < 0 {
-            return None;
-        }
-        // Returns how much of the buffer was left; a file that fills it to the end may go on.
-        let left = syscall!(READ, file, buffer.as_mut_ptr(), buffer.len());
-        syscall!(CLOSE, file);
-        (left > 0).then(|| buffer.len().checked_sub(left)).flatten()
-    }
-}
-
 impl Request {
     /// Reads the command line. Ends the run when a word makes no sense: a test must not pass by a typing error.
     pub(super) fn read() -> Self {
         let line = command_line();
-        let mut request =
-            Self { seconds: 10, image: None, overload: None, trap: None, sleeps: false, controls: false };
+        let mut request = Self { seconds: 10, overload: None, trap: None, sleeps: false, controls: false };
         for word in line.split_ascii_whitespace() {
             if request.take(word).is_none() {
                 defmt::error!("cannot make sense of `{=str}`", word);
@@ -115,7 +94,6 @@ impl Request {
         let (name, value) = word.split_once('=')?;
         match name {
             "seconds" => self.seconds = value.parse().ok()?,
-            "image" => self.image = Some(String::try_from(value).ok()?),
             "overload" => {
                 let mut numbers = value.split(':').map(|number| number.parse().ok());
                 let mut next = || numbers.next().flatten();
