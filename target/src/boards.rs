@@ -4,8 +4,6 @@
 pub mod mps2;
 #[cfg(all(target_os = "none", feature = "nucleo-h743zi2"))]
 pub mod nucleo_h743zi2;
-#[cfg(all(not(target_os = "none"), feature = "rt-pc"))]
-pub mod rt_pc;
 
 /// The board of this build, for the fault paths, which can be handed nothing.
 #[cfg(all(target_os = "none", feature = "mps2"))]

@@ -1,4 +1,5 @@
-//! The application of eclss-rt on a microcontroller or a real-time PC: one loop, and one file per board.
+//! The application of eclss-rt on a microcontroller: one loop, and one file per board.
+//! `eclss-rt hil` runs the same loop on a computer.
 //!
 //! [`control::run`] is the loop. It knows a board only through [`board::Board`] and the simulated plant only
 //! through [`plant::Plant`], so that all of its behaviour (grid, overruns, going safe) is tested on the host.

@@ -114,11 +114,6 @@ pub fn link(plant: &NetworkPlant, image: &Image<'_>, role: Role, nonce: u32) -> 
     (inputs + outputs > 0).then(|| Link::new(config, nonce))
 }
 
-/// The compiled-in process image.
-pub fn compiled_in_process() -> Image<'static> {
-    table::PROCESS
-}
-
 /// The compiled-in network's end of a link; `None` where no channel goes over one.
 pub fn compiled_in_link(plant: &NetworkPlant, role: Role, nonce: u32) -> Option<Link> {
     link(plant, &table::PROCESS, role, nonce)

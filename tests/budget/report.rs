@@ -266,8 +266,7 @@ fn whole_tick(ticks: &[(&str, ([f64; 3], u64))]) -> Table {
 
 fn memories(ticks: &[(&str, ([f64; 3], u64))]) -> Table {
     let about = "The firmware with the paper's loop [bytes]. The stack is painted at start-up and looked at after the run; what \
-                 no board has run is not measured. The emulated boards' statics hold the buffers of a network that is loaded. \
-                 The real-time PC has the memory of its computer.";
+                 no board has run is not measured.";
     let mut table = Table::new("Memory", about, 1, &["board", "flash", "statics", "worst stack"]);
     for (machine, (_, stack)) in ticks {
         table.rows.push(memory_row(&format!("qemu-{machine}"), stack.to_string()));

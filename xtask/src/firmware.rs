@@ -14,8 +14,6 @@ pub(crate) struct Board {
     pub(crate) name: &'static str,
     /// QEMU's name of the machine, if it emulates it.
     pub(crate) machine: Option<&'static str>,
-    /// A computer with an operating system, built by the host's compiler.
-    pub(crate) hosted: bool,
     /// Where it is built, under cargo's output folder. Two builds in one folder wait for each other.
     folder: &'static str,
 }
@@ -26,20 +24,19 @@ const BARE: &str = "firmware";
 const OTHER: &str = "firmware-other";
 
 /// Every board, in the order of the documentation.
-pub(crate) const BOARDS: [Board; 4] = [
-    Board { name: "qemu-mps2-an500", machine: Some("mps2-an500"), hosted: false, folder: BARE },
-    Board { name: "qemu-mps2-an386", machine: Some("mps2-an386"), hosted: false, folder: BARE },
-    Board { name: "nucleo-h743zi2", machine: None, hosted: false, folder: BARE },
-    Board { name: "rt-pc", machine: None, hosted: true, folder: "" },
+pub(crate) const BOARDS: [Board; 3] = [
+    Board { name: "qemu-mps2-an500", machine: Some("mps2-an500"), folder: BARE },
+    Board { name: "qemu-mps2-an386", machine: Some("mps2-an386"), folder: BARE },
+    Board { name: "nucleo-h743zi2", machine: None, folder: BARE },
 ];
 
 /// Programs of the tests, built like a board's firmware: two count instructions, one is nothing but a step, one has
 /// hardware on its link.
 pub(crate) const TEST_PROGRAMS: [Board; 4] = [
-    Board { name: "qemu-hil-an386", machine: None, hosted: false, folder: OTHER },
-    Board { name: "measure", machine: None, hosted: false, folder: OTHER },
-    Board { name: "measure-day", machine: None, hosted: false, folder: BARE },
-    Board { name: "bare", machine: None, hosted: false, folder: OTHER },
+    Board { name: "qemu-hil-an386", machine: None, folder: OTHER },
+    Board { name: "measure", machine: None, folder: OTHER },
+    Board { name: "measure-day", machine: None, folder: BARE },
+    Board { name: "bare", machine: None, folder: OTHER },
 ];
 
 /// Name of the real board that `flash` writes to, as probe-rs knows its chip.
@@ -70,7 +67,7 @@ pub(crate) fn check() -> Outcome {
     let check_all = |folder: &str| {
         BOARDS.iter().chain(&TEST_PROGRAMS).filter(|board| board.folder == folder).try_for_each(|board| {
             build(board)?;
-            if board.hosted || !toolchain.has_clippy() {
+            if !toolchain.has_clippy() {
                 return Ok(());
             }
             // The crates that it stands on are linted on the host.
@@ -81,7 +78,7 @@ pub(crate) fn check() -> Outcome {
     };
     // Linking one keeps one core busy, so the folders are filled side by side.
     thread::scope(|scope| {
-        let folders = [BARE, OTHER, ""].map(|folder| scope.spawn(move || check_all(folder)));
+        let folders = [BARE, OTHER].map(|folder| scope.spawn(move || check_all(folder)));
         folders.into_iter().try_for_each(|folder| folder.join().map_err(|_| "a build was lost")?)
     })?;
     if toolchain.has_clippy() {
@@ -98,15 +95,12 @@ pub(crate) fn check() -> Outcome {
 /// Builds one board's firmware, prints its memory use and returns the ELF file.
 pub(crate) fn build(board: &Board) -> Outcome<PathBuf> {
     let toolchain = Toolchain::ready().ok_or("no firmware toolchain; run `cargo xtask setup`")?;
-    let mut cargo = if board.hosted { Command::new("cargo") } else { toolchain.cargo() };
+    let mut cargo = toolchain.cargo();
     select(cargo.arg("build"), board)?;
     run(&mut cargo)?;
-    let target = if board.hosted { "" } else { TARGET };
-    let elf = project::output_folder()?.join(board.folder).join(target).join("firmware").join(board.name);
-    if !board.hosted {
-        let (flash, ram) = Elf::read(&elf)?.memory_use();
-        println!("{}: flash {flash} bytes, statics in RAM {ram} bytes", board.name);
-    }
+    let elf = project::output_folder()?.join(board.folder).join(TARGET).join("firmware").join(board.name);
+    let (flash, ram) = Elf::read(&elf)?.memory_use();
+    println!("{}: flash {flash} bytes, statics in RAM {ram} bytes", board.name);
     Ok(elf)
 }
 
@@ -119,9 +113,7 @@ pub(crate) fn ensure_set_up() -> Outcome {
 pub(crate) fn select(cargo: &mut Command, board: &Board) -> Outcome {
     cargo.args(["--package", "eclss-target", "--profile", "firmware"]);
     cargo.args(["--bin", board.name, "--features", board.name]);
-    if !board.hosted {
-        cargo.args(["--target", TARGET, "--target-dir"]).arg(project::output_folder()?.join(board.folder));
-    }
+    cargo.args(["--target", TARGET, "--target-dir"]).arg(project::output_folder()?.join(board.folder));
     cargo.current_dir(project::root());
     Ok(())
 }

@@ -32,7 +32,7 @@ cargo xtask <command>
                             fail when something costs more than it says
   flash                     build the firmware for a NUCLEO-H743ZI2 and flash it with probe-rs
 
-BOARD is one of qemu-mps2-an500, qemu-mps2-an386, nucleo-h743zi2 and rt-pc. ECLSS_NETWORK names the network file that
+BOARD is one of qemu-mps2-an500, qemu-mps2-an386 and nucleo-h743zi2. ECLSS_NETWORK names the network file that
 is compiled in, networks/paper.toml unless it is set.";
 
 fn main() -> ExitCode {

@@ -75,7 +75,7 @@ pub(crate) fn test() -> Outcome {
 
 /// Builds every microcontroller program and names its ELF file in the command's environment.
 pub(crate) fn hand_over(command: &mut Command) -> Outcome {
-    for program in BOARDS.iter().chain(&TEST_PROGRAMS).filter(|program| !program.hosted) {
+    for program in BOARDS.iter().chain(&TEST_PROGRAMS) {
         let variable = format!("ECLSS_ELF_{}", program.name.replace('-', "_").to_uppercase());
         command.env(variable, build(program)?);
     }

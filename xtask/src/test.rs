@@ -63,7 +63,7 @@ pub(crate) fn in_ci() -> bool {
 pub(crate) const ALL: [&str; 5] = ["--workspace", "--profile", "checked", "--features", OPTIONS];
 /// What the core offers to boards and files, the real-time loop on a computer, and the tests that run firmware.
 const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/protocol,eclss-core/defmt,\
-    eclss-target/rt-pc,eclss-tests/qemu";
+    eclss-target/wire,eclss-tests/qemu";
 /// All tests but those of costs.
 pub(crate) const TESTS: [&str; 3] = ["test", "--exclude", "eclss-bench"];
 /// The solver to compare with is too long a build for more than seeing that it still fits.

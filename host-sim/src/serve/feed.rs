@@ -1,7 +1,7 @@
 //! What a page shows and what it asks for: ids once, values often, commands back.
 //!
 //! A [`Feed`] is the page's end and a [`Publisher`] the plant's. Whatever computes or relays a plant can hold the
-//! publisher: the thread of [`super::plant`], or a link to a real-time PC or a board. Between the two stands one slot:
+//! publisher: the thread of [`super::plant`], or the loop of `hil`, or a link to a board. Between the two stands one slot:
 //! the plant tries its lock, never waits for it, and a frame that nobody has fetched is replaced and counted.
 
 use std::sync::atomic::{AtomicU64, Ordering};
