@@ -9,11 +9,6 @@ use eclss_network_file::{Loaded, load, parse};
 const HIL: &str = include_str!("../../networks/hil.toml");
 const ZOO: &str = include_str!("files/zoo.toml");
 
-#[allow(dead_code, unreachable_pub, clippy::unreadable_literal)] // generated
-mod zoo {
-    include!("generated/zoo.rs");
-}
-
 fn hil() -> Loaded {
     load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../networks/hil.toml")).expect("the file loads")
 }
@@ -111,22 +106,6 @@ fn keys_become_channels_with_their_defaults() {
     assert_eq!(zoo.names.segments[4], "scrubber");
     assert_eq!(hatch.signal.output, Output::Input);
     assert_eq!(zoo.names.inputs[hatch.signal.owner as usize], "hatch.opening");
-}
-
-/// Host and board have the same image, to the bit and by its id.
-#[test]
-fn the_generated_image_is_the_loaded_one() {
-    let loaded = parse(ZOO, "zoo").unwrap();
-    loaded.process.with_image(|image| {
-        assert_eq!(image.inputs, zoo::PROCESS.inputs);
-        assert_eq!(image.outputs, zoo::PROCESS.outputs);
-        assert_eq!(
-            (image.order, image.safe_after_ticks),
-            (zoo::PROCESS.order, zoo::PROCESS.safe_after_ticks)
-        );
-        assert_eq!((image.id(), zoo::PROCESS.id()), (zoo::PROCESS_ID, zoo::PROCESS_ID));
-    });
-    assert_eq!(zoo::INPUT_CHANNEL_NAMES, ["regulator.opening", "booster.speed"]);
 }
 
 /// Every key counts for the id of the image, so that two ends that disagree about one never talk.

@@ -6,7 +6,6 @@ mod climate;
 mod density;
 mod documented;
 mod extremes;
-mod generated;
 mod laminar;
 mod large;
 mod liquid_loops;

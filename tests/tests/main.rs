@@ -1,6 +1,7 @@
 //! Tests that cross crates, in one program: linking is what takes long.
 
 mod elements_in_lines;
+mod generated;
 mod holds;
 mod holds_stated;
 mod ledger;
