@@ -10,7 +10,7 @@ use crate::wire::{Wire, network, socket};
 use eclss_core::mode::{Mode, Request};
 use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::protocol::{Command as LinkCommand, Outcome, Outgoing, Role};
-use eclss_core::{Health, LiveInput, Method, Simulator};
+use eclss_core::{Health, LiveInput, Method};
 use eclss_target::controller::{Controller, FLOW};
 use eclss_tests::product::with_simulator;
 
