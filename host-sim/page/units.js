@@ -76,6 +76,7 @@ const FORMS = {
   temperature,
   temperature_difference: warmth,
   mass,
+  time: () => ({ ...plain("s"), digits: 1 }),
   ratio,
   count: () => ({ ...plain("1"), digits: 1 }),
 };

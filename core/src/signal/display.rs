@@ -29,6 +29,8 @@ pub enum Display {
     Mass,
     /// Power [W].
     Heat,
+    /// Time [s].
+    Time,
     /// Share [1], read in per cent.
     Ratio,
     /// Whole number, such as people, a code, or 1 for yes [1].
@@ -65,6 +67,7 @@ impl Display {
             Self::Temperature | Self::TemperatureDifference => "K",
             Self::Mass => "kg",
             Self::Heat => "W",
+            Self::Time => "s",
             Self::Ratio | Self::Count | Self::Number => "1",
             Self::Other(unit) => unit,
         }
@@ -80,6 +83,7 @@ impl Display {
             Self::Temperature | Self::TemperatureDifference => "_k",
             Self::Mass => "_kg",
             Self::Heat => "_w",
+            Self::Time => "_s",
             Self::Ratio | Self::Count | Self::Number | Self::Other(_) => "",
         }
     }
@@ -99,6 +103,7 @@ impl Display {
             Self::TemperatureDifference => "temperature_difference",
             Self::Mass => "mass",
             Self::Heat => "heat",
+            Self::Time => "time",
             Self::Ratio => "ratio",
             Self::Count => "count",
             Self::Number => "number",
@@ -144,6 +149,7 @@ impl Display {
             ("m³/s", _) => Self::VolumeFlow,
             ("kg", _) => Self::Mass,
             ("W", _) => Self::Heat,
+            ("s", _) => Self::Time,
             ("1", "opening" | "speed" | "fouling" | "efficiency" | "separator_efficiency") => Self::Ratio,
             ("1", "count" | "activity" | "discharge" | "fault" | "sensor_fault" | "actuator_fault") => {
                 Self::Count
