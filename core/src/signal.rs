@@ -154,6 +154,7 @@ outputs! {
         RelativeHumidity Air Standard "relative_humidity" "relative humidity" Display::Ratio => volume.relative_humidity();
         TotalPressure Air Standard "total_pressure" "absolute pressure" Display::AbsolutePressure => volume.pressure_pa();
         PartialPressure Air Standard "" "partial pressure" Display::PartialPressure => volume.partial_pa(item);
+        Turnover Air Standard "turnover" "time in which inflow renews the volume" Display::Time => volume.turnover_s();
         FreeWater Air Standard "liquid" "free liquid water" Display::Mass => volume.liquid_kg();
         Mixed Air Standard "mixed" "well mixed: 1, or 0" Display::Count => f32::from(u8::from(volume.mixed()));
     }
