@@ -53,7 +53,9 @@ pub fn closing_flows(method: Method, step_us: u32, until_us: u64) -> Result<Vec<
     with_simulator(&closing_loop(), method, step_us, |simulator| {
         let mut flows = Vec::new();
         while simulator.time_us() < until_us && simulator.step() == Health::Trusted {
-            flows.push((simulator.time_us() as f64 * 1e-6, f64::from(simulator.line_flow_kg_s(0))));
+            let valve = simulator.network().lines[0].last_segment() as usize;
+            let flow = simulator.segment_flow_at_end_kg_s(0, valve);
+            flows.push((simulator.time_us() as f64 * 1e-6, f64::from(flow)));
         }
         flows
     })

@@ -74,7 +74,8 @@ fn run(step_us: u32, seen: Seen) -> Vec<f64> {
                 }
             }
             assert_eq!(simulator.step(), Health::Trusted);
-            flows.push(f64::from(simulator.line_flow_kg_s(0)));
+            let valve = network.lines[0].last_segment() as usize;
+            flows.push(f64::from(simulator.segment_flow_at_end_kg_s(0, valve)));
         }
         flows
     })

@@ -33,7 +33,7 @@ fn run(network: &Network<'_>, method: Method, step_us: u32, until_us: u64) -> Ve
         let mut flows = Vec::new();
         while simulator.time_us() < until_us {
             assert_eq!(simulator.step(), eclss_core::Health::Trusted);
-            flows.push(f64::from(simulator.line_flow_kg_s(0)));
+            flows.push(f64::from(simulator.segment_flow_at_end_kg_s(0, network.segments.len() - 1)));
         }
         flows
     })

@@ -59,6 +59,10 @@ const MEAN: f32 = 0.707_106_77;
 /// friction rather than against inertance within one stage, the slope is guarded.
 const EXPECTED_DRIVE_PA: f32 = 1e3;
 
+/// Solves of the first stage of a run beyond its first: a start may be anything, and one solve from rest leaves pressures of
+/// junctions and of stiff volumes beyond all that drive them.
+const FIRST_STEP: u32 = 3;
+
 /// Largest part of its own rounding that one solve may hand back to a volume [1].
 const RETURNED: f32 = 1e-3;
 
@@ -165,8 +169,11 @@ pub(crate) fn start<E: Element>(
                 }
             }
             let flows = !continues(&network.plan, index);
-            if let Some(flow) = state.flow.get_mut(index).filter(|_| flows) {
-                *flow = line.start_flow_kg_s;
+            if let (Some(flow), Some(passed), true) =
+                (state.flow.get_mut(index), work.passed.get_mut(index), flows)
+            {
+                // Shown before the first step as if it had passed in one.
+                (*flow, *passed) = (line.start_flow_kg_s, h * line.start_flow_kg_s);
             }
             if let Some(pressure) = work.pressure.get_mut(nodes + index) {
                 *pressure = from;
@@ -179,6 +186,7 @@ pub(crate) fn start<E: Element>(
             law::set_laminar(line, &mut work);
         }
     }
+    work.fresh.fill(1.0);
     law::join::<E, false, false>(network, tau, inputs, state.flow, &mut work);
     if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {
         *again = 1.0;
@@ -266,9 +274,9 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     }
     // States the laws of responsive lines; nothing in a network without such lines.
     macro_rules! respond {
-        ($inputs:expr, $place:expr) => {
+        ($inputs:expr, $place:expr, $second:literal) => {
             if responds {
-                respond::state_laws(
+                respond::state_laws::<E, $second>(
                     network,
                     model.tau,
                     given($inputs),
@@ -283,7 +291,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let two_stages = method == Method::TrBdf2;
     let first = if two_stages { inputs.middle } else { inputs.end };
     law::update::<E, UNROLL, false>(network, model.tau, first, state.flow, work);
-    respond!(first, At::Start);
+    respond!(first, At::Start, false);
     work.known.fill(0.0);
     work.known
         .iter_mut()
@@ -293,12 +301,14 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true>(model, state.flow, work);
     // Lines that respond are solved more often in any case.
-    if two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !responds) {
-        respond!(first, At::Iterate);
+    let again = u32::from(two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !responds));
+    let fresh = work.fresh.first_mut().is_some_and(|fresh| core::mem::take(fresh) > 0.0);
+    for _ in 0..if fresh { FIRST_STEP } else { again } {
+        respond!(first, At::Iterate, false);
         solve::<E, UNROLL, false>(model, state.flow, work);
     }
     if responds {
-        respond::solve_more::<E, UNROLL>(model, given(first), state.flow, state.memory, work);
+        respond::solve_more::<E, UNROLL, false>(model, given(first), state.flow, state.memory, work);
     }
     let weights = if two_stages {
         segment::carry_over([work.inertia, work.differ, work.q], work.ports, work.pushed, work.first);
@@ -313,13 +323,13 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
             .for_each(|(known, flow)| *known += flow);
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
-        respond!(inputs.end, At::NextStage);
+        respond!(inputs.end, At::NextStage, true);
         segment::push::<false>(work.head, work.pushed);
         solve::<E, UNROLL, false>(model, state.flow, work);
-        respond!(inputs.end, At::Iterate);
+        respond!(inputs.end, At::Iterate, true);
         solve::<E, UNROLL, false>(model, state.flow, work);
         if responds {
-            respond::solve_more::<E, UNROLL>(model, given(inputs.end), state.flow, state.memory, work);
+            respond::solve_more::<E, UNROLL, true>(model, given(inputs.end), state.flow, state.memory, work);
         }
         [MEAN, TAU]
     } else {
@@ -366,6 +376,9 @@ fn commit<E: Element, const UNROLL: bool>(
 ) -> Option<Place> {
     segment::pass(h, weights, [work.differ, work.first, state.flow], work.ports, work.q, work.passed);
     line::transfer(network, h, weights, state, work);
+    if weights[0] > 0.0 && !network.responsive.is_empty() {
+        respond::shut(network, state.flow, work);
+    }
     let mut beyond = segment::take_over(work.q, state.flow, state.flow_carry, Fault::FLOW_LIMIT_KG_S);
     let mut composite = network.plan.composite.iter().zip((network.segments.len() as u32..).step_by(2));
     let mut next = composite.next();

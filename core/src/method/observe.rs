@@ -16,6 +16,8 @@ pub(crate) struct Observer<'v, 'n, E> {
     pub(crate) method: Method,
     pub(crate) state: &'v [f32],
     pub(crate) work: &'v [f32],
+    /// Length of a step [s].
+    pub(crate) step_s: f32,
     /// Inputs of the last step.
     pub(crate) inputs: &'v [f32],
     /// Virtual temperatures of the nodes, see [`Given`].
@@ -54,16 +56,24 @@ impl<'v, E: Element> Observer<'v, '_, E> {
         }
     }
 
-    /// Flow of a reach of an implicit method at its last segment's inlet [kg/s].
+    /// Flow of a reach of an implicit method at its last segment's inlet [kg/s]: at the step's end, from which the next one
+    /// goes on.
     fn own_flow(&self, segment: usize) -> f32 {
         self.state_at(layout::first_flow(self.network) + segment)
+    }
+
+    /// The same as mean of the step, which moved the masses. A method of second order swings around it where a step changes
+    /// a pressure by itself, heat for one.
+    fn mean_flow(&self, segment: usize) -> f32 {
+        let passed = self.work.get(layout::first_passed(self.network) + segment);
+        passed.copied().unwrap_or(f32::NAN) / self.step_s
     }
 
     fn is_implicit(&self) -> bool {
         matches!(self.method, Method::ImplicitEuler | Method::TrBdf2)
     }
 
-    /// Flow of a line at its flow segment [kg/s].
+    /// Flow of a line at its flow segment [kg/s]: the mean of the last step, which the ledger moves.
     pub(crate) fn line_flow_kg_s(&self, line: usize) -> f32 {
         let Some(description) = self.network.lines.get(line) else { return f32::NAN };
         if self.is_implicit() {
@@ -71,7 +81,7 @@ impl<'v, E: Element> Observer<'v, '_, E> {
             if continues(&self.network.plan, segment) {
                 self.segment_flow_kg_s(line, segment)
             } else {
-                self.own_flow(segment)
+                self.mean_flow(segment)
             }
         } else if self.method == Method::Adaptive {
             self.state_at(adaptive::State::line_at(self.network.nodes.len(), line))
@@ -88,9 +98,26 @@ impl<'v, E: Element> Observer<'v, '_, E> {
         })
     }
 
-    /// Flow at a segment's inlet [kg/s]; NaN for a segment that is not the line's.
+    /// Flow at a segment's inlet [kg/s], as [`Self::line_flow_kg_s`]; NaN for a segment that is not the line's.
     pub(crate) fn segment_flow_kg_s(&self, line: usize, segment: usize) -> f32 {
         self.one_of(line, segment, |flow, _| flow)
+    }
+
+    /// Flow at a segment's inlet at the end of the last step [kg/s]: with an implicit method the state from which the next
+    /// one goes on, for a comparison with what is known of an instant.
+    pub(crate) fn segment_flow_at_end_kg_s(&self, line: usize, segment: usize) -> f32 {
+        let Some(description) = self.network.lines.get(line).filter(|_| self.belongs(line, segment)) else {
+            return f32::NAN;
+        };
+        if !self.is_implicit() {
+            return self.segment_flow_kg_s(line, segment);
+        }
+        let past = (description.first_segment + description.segments) as usize;
+        let last = (segment..past).find(|&index| !continues(&self.network.plan, index)).unwrap_or(segment);
+        let w = self.own_flow(last);
+        let removals = self.network.segments.get(segment..last).unwrap_or(&[]);
+        let ratio: f32 = removals.iter().map(|segment| 1.0 + segment.element.removal()).product();
+        if w > 0.0 { ratio * w } else { w }
     }
 
     /// Gauge pressure at a segment's outlet [Pa]; NaN for a segment that is not the line's.
@@ -162,8 +189,7 @@ impl<'v, E: Element> Observer<'v, '_, E> {
         let mut behind = self.node_gauge_pa(line.to as usize);
         while index > first {
             index -= 1;
-            let w = self.own_flow(index);
-            each(index, w, behind);
+            each(index, self.mean_flow(index), behind);
             let joined =
                 (first..index).rev().take_while(|&joint| continues(&self.network.plan, joint)).count();
             let start = index - joined;
@@ -173,7 +199,8 @@ impl<'v, E: Element> Observer<'v, '_, E> {
                 self.work.get(self.network.nodes.len() + start - 1).copied().unwrap_or(f32::NAN)
             };
             if joined > 0 {
-                self.read_joined(line, start..=index, w, [before, behind], |segment, flow, above| {
+                let flows = [self.own_flow(index), self.mean_flow(index)];
+                self.read_joined(line, start..=index, flows, [before, behind], |segment, flow, above| {
                     each(segment, flow, behind + above);
                 });
             }
@@ -182,12 +209,13 @@ impl<'v, E: Element> Observer<'v, '_, E> {
     }
 
     /// Reads the segments of a reach ahead of its last: calls `each` with segment, its flow [kg/s] and the pressure at
-    /// its outlet over that behind the reach [Pa]. `before` and `behind` are the gauge pressures at its ends [Pa].
+    /// its outlet over that behind the reach [Pa]. `w` is the reach's flow at the step's end, to which the pressures belong, and
+    /// `mean` that of the step [kg/s]; `before` and `behind` are the gauge pressures at its ends [Pa].
     fn read_joined(
         &self,
         line: &Line,
         reach: core::ops::RangeInclusive<usize>,
-        w: f32,
+        [w, mean]: [f32; 2],
         [before, behind]: [f32; 2],
         mut each: impl FnMut(usize, f32, f32),
     ) {
@@ -211,6 +239,7 @@ impl<'v, E: Element> Observer<'v, '_, E> {
         let limit = line.laminar_below_pa / math::larger(resistance, f32::MIN_POSITIVE);
         let laminar = own_ratio * math::sqrt(limit);
         // Calls with every segment from the last on: its flow, loss over head [Pa] and inertance [1/m] as felt.
+        let shown = |ratio: f32| if mean > 0.0 { ratio * mean } else { mean };
         let walk = |part: &mut dyn FnMut(usize, f32, f32, f32)| {
             let mut ratio = 1.0;
             for index in reach.clone().rev() {
@@ -221,7 +250,7 @@ impl<'v, E: Element> Observer<'v, '_, E> {
                 let law = self.law(index, segment, w, ratio, responsive);
                 let (flow, least) = (felt(ratio) * w, felt(ratio) * laminar);
                 let loss = law.resistance * flow * math::larger(flow.abs(), least) + law.linear * flow;
-                part(index, flow, loss - law.head, ratio * segment.inertance_per_m);
+                part(index, shown(ratio), loss - law.head, ratio * segment.inertance_per_m);
             }
         };
         let (mut losses, mut inertance) = (0.0, 0.0);

@@ -76,13 +76,17 @@ impl<E: Element> Simulator<'_, E> {
         match fault.place {
             Place::Line(line) => {
                 let limit = Fault::FLOW_LIMIT_KG_S;
-                let mut value = self.line_flow_kg_s(line as usize);
-                self.read_line(line as usize, |_, flow, _| {
-                    // The first that is too large, or is no number at all.
+                let line = line as usize;
+                let own = self.network().lines.get(line).map_or(0..0, |line| {
+                    line.first_segment as usize..(line.first_segment + line.segments) as usize
+                });
+                // The first that is too large, or is no number at all.
+                let mut value = self.line_flow_kg_s(line);
+                for flow in own.rev().map(|segment| self.segment_flow_at_end_kg_s(line, segment)) {
                     if !crate::math::beyond(value, limit) {
                         value = flow;
                     }
-                });
+                }
                 Some(Excursion { quantity: Strayed::MassFlow, value, range: [-limit, limit] })
             }
             Place::Node(node) => {

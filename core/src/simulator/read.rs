@@ -18,6 +18,7 @@ impl<'a, E: Element> Simulator<'a, E> {
             method: self.settings.method,
             state: self.state,
             work: self.work,
+            step_s: self.settings.step_us as f32 * 1e-6,
             inputs: self.inputs.get(last_stage..).unwrap_or(&[]),
             virtual_k: climate::virtual_k(self.network, self.work),
         }
@@ -89,9 +90,16 @@ impl<'a, E: Element> Simulator<'a, E> {
         self.observer().node_phi(node)
     }
 
-    /// Mass flow of line `line` at its flow segment [kg/s]; NaN for a line that does not exist.
+    /// Mass flow of line `line` at its flow segment as mean of the last step [kg/s], the flow that moved the masses; NaN for
+    /// a line that does not exist.
     pub fn line_flow_kg_s(&self, line: usize) -> f32 {
         self.observer().line_flow_kg_s(line)
+    }
+
+    /// Mass flow at the inlet of segment `segment` (counted over all lines) of line `line` at the end of the last step
+    /// [kg/s]: a state of the implicit methods, for a comparison with what is known of an instant.
+    pub fn segment_flow_at_end_kg_s(&self, line: usize, segment: usize) -> f32 {
+        self.observer().segment_flow_at_end_kg_s(line, segment)
     }
 
     /// Reads line `line` in one pass, last segment first: calls `each` with the segment (counted over all lines),

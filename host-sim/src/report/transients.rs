@@ -85,7 +85,7 @@ fn run(source: &Source, settings: Settings) -> Result<Vec<Point>, Failure> {
         if simulator.step() != Health::Trusted {
             return Err(Failure::Failed(format!("{}: the run left its range", source.name)));
         }
-        let w = f64::from(simulator.segment_flow_kg_s(0, last)) * 1e3;
+        let w = f64::from(simulator.segment_flow_at_end_kg_s(0, last)) * 1e3;
         flow.push((simulator.time_us() as f64 * 1e-6, w));
     }
     Ok(flow)

@@ -32,7 +32,7 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
             + 3 * ports
             + 2 * rows
             + entries
-            + 3,
+            + 4,
     )
 }
 
@@ -41,6 +41,11 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
 pub(crate) fn first_flow<E>(network: &Network<'_, E>) -> usize {
     Common::length(network) + 2 * network.nodes.len()
+}
+
+/// Where the masses that passed the ports begin in the work buffer.
+pub(crate) fn first_passed<E>(network: &Network<'_, E>) -> usize {
+    network.nodes.len() + network.segments.len()
 }
 
 pub(crate) struct State<'s> {
@@ -82,7 +87,9 @@ impl<'s> State<'s> {
 pub(crate) struct Work<'w> {
     /// Pressure of every point [Pa gauge]; the nodes' come first.
     pub(crate) pressure: &'w mut [f32],
-    /// Its increment since the step's start [Pa].
+    /// Mass that passed every port in this step [kg].
+    pub(crate) passed: &'w mut [f32],
+    /// Increment of every point's pressure since the step's start [Pa].
     pub(crate) delta: &'w mut [f32],
     /// What the last solve added to it [Pa].
     pub(crate) change: &'w mut [f32],
@@ -116,8 +123,6 @@ pub(crate) struct Work<'w> {
     pub(crate) law: &'w mut [[f32; 3]],
     pub(crate) joints: &'w mut [Joint],
     pub(crate) ports: &'w mut [Port],
-    /// Mass that passed every port in this step [kg].
-    pub(crate) passed: &'w mut [f32],
     /// What every row passes on to the one neighbour that is left, as a share [1].
     pub(crate) onward: &'w mut [f32],
     /// One row, dense, and the shares of rows with more neighbours.
@@ -129,6 +134,8 @@ pub(crate) struct Work<'w> {
     pub(crate) again: &'w mut [f32],
     /// 1 where some line's laminar flow follows its direction.
     pub(crate) turning: &'w mut [f32],
+    /// 1 until the first step.
+    pub(crate) fresh: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -141,6 +148,7 @@ impl<'w> Work<'w> {
         let cut = &mut Cut(buffer);
         Self {
             pressure: cut.take(nodes + segments),
+            passed: cut.take(ports),
             delta: cut.take(nodes + segments),
             change: cut.take(nodes + segments),
             capacity: cut.take(nodes),
@@ -162,13 +170,13 @@ impl<'w> Work<'w> {
             law: cut.take_rows(segments),
             joints: cut.take_rows(segments),
             ports: cut.take_rows(ports),
-            passed: cut.take(ports),
             onward: cut.take(rows),
             dense: cut.take(rows),
             entries: cut.take(network.plan.columns.len()),
             merged: cut.take(1),
             again: cut.take(1),
             turning: cut.take(1),
+            fresh: cut.take(1),
         }
     }
 }

@@ -5,7 +5,7 @@
 //! frozen in each solve; the fixed point of the iteration is that of the law itself.
 
 use super::layout::{Work, at, continues};
-use super::{Model, law, range, solve};
+use super::{CARRY_OVER, Model, law, range, solve};
 use crate::element::Element;
 use crate::method::responsive::{Given, Reach};
 use crate::{Line, Network, Plan, Responsive, math};
@@ -13,9 +13,17 @@ use crate::{Line, Network, Plan, Responsive, math};
 /// Solves a stage on top of those of any network.
 const MORE: u32 = 2;
 
-/// Marks of a guarded slope: with the law of forward or of reversed flow.
+/// Marks of a guarded slope: with the law of forward flow, also where a valve gives back what the first stage moved too
+/// much; with that of reversed flow, also where such a valve has shut.
 const FORWARD: f32 = 1.0;
+const GIVES_BACK: f32 = 1.5;
 const REVERSED: f32 = 2.0;
+const SHUT: f32 = 3.0;
+
+/// Resistance to what comes back through a valve, over that to what the first stage moved [1].
+const GIVING: f32 = 1e-3;
+/// Smallest ratio of the reversed to the forward resistance of an element that blocks reversed flow [1].
+const BLOCKS: f32 = 4.0;
 
 /// Where laws are stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,9 +63,24 @@ pub(super) fn advance<E: Element>(
     }
 }
 
-/// States the laws at `place`.
+/// Whether an element of a reach lets forward flow pass and blocks reversed flow.
+fn blocks<E: Element>(network: &Network<'_, E>, reach: &Reach<'_, '_, E>, w: f32, memory: &[f32]) -> bool {
+    let mut blocks = false;
+    reach.laws(w, memory, |index, _, [ahead, back]| {
+        let by_ends = network.segments.get(index).is_some_and(|segment| segment.element.needs_both_ends());
+        let harder = back.linear > ahead.linear || back.resistance > BLOCKS * ahead.resistance;
+        blocks |= harder && !by_ends;
+    });
+    blocks
+}
+
+/// States the laws at `place`; `SECOND` in the second stage of a step.
+///
+/// The first stage of TR-BDF2 goes on to its end with the flow of its middle, so a volume that empties through a valve
+/// passes the pressure that it empties into. What the stage moved too much comes back in the second, through the open valve:
+/// the valve is shut once the *mean* flow of the step reverses, w̄ = 1/√2·w_m + (1 − 1/√2)·w, and then moves its leak.
 #[inline(never)]
-pub(super) fn state_laws<E: Element>(
+pub(super) fn state_laws<E: Element, const SECOND: bool>(
     network: &Network<'_, E>,
     tau: f32,
     given: Given<'_>,
@@ -75,14 +98,20 @@ pub(super) fn state_laws<E: Element>(
         let (ports, laws) = (&*work.ports, &mut *work.law);
         let (quadratic, linear, head) = (&mut *work.quadratic, &mut *work.linear, &mut *work.head);
         let (inertia, guarded) = (&mut *work.inertia, &mut *work.guarded);
+        let (pushed, first) = (&mut *work.pushed, &*work.first);
         let gauge = |point| at(pressure, point) + if solved { at(delta, point) } else { 0.0 };
         let (flow_place, mut line_forward) = (law::flow_place(network, line), false);
         reaches(network, entry, line, given, gauge, |last, ends, reach| {
             let b = ports.get(last).map_or(0.0, |port| port[0]);
             let step = at(q, last as u32) + b * at(differ, last as u32);
             let w = at(flow, last as u32) + if solved { step } else { 0.0 };
-            let turned = guarded.get(last).is_some_and(|mark| *mark > FORWARD);
-            let forward = if w == 0.0 { ends[0] >= ends[1] } else { w > 0.0 };
+            let turned = guarded.get(last).is_some_and(|mark| *mark >= REVERSED);
+            // Flow at which the step's mean flow vanishes.
+            let moved =
+                if SECOND { CARRY_OVER * (at(flow, last as u32) + at(first, last as u32)) } else { 0.0 };
+            let returns = moved > 0.0 && w < 0.0 && blocks(network, reach, w, memory);
+            let still = if returns { -moved } else { 0.0 };
+            let forward = if w == still { ends[0] >= ends[1] } else { w > still };
             let forward = forward && !(turned && place == Place::Closing);
             if last == flow_place {
                 line_forward = forward;
@@ -98,6 +127,11 @@ pub(super) fn state_laws<E: Element>(
                     *law = [own.resistance, own.linear, own.head];
                 }
             });
+            // A valve that shuts within the step does so where nothing drives it any more: what comes back meets next to no
+            // resistance, so that the ends of the step's pressures meet.
+            if forward && returns {
+                sums = [0.0, GIVING * sums[0] * moved + sums[1], sums[2]];
+            }
             // A valve that has just turned is looked at where its leak would put it: the tangents of the others at the
             // flow that it no longer lets through would push on it.
             let drive = ((ends[0] - ends[1]) + sums[2]).abs();
@@ -105,17 +139,23 @@ pub(super) fn state_laws<E: Element>(
             let driven = 2.0 * drive / math::larger(sums[1] + root, f32::MIN_POSITIVE);
             if solved
                 && !forward
-                && sums[1] > sums[0] * -w
-                && driven < -w
+                && sums[1] > sums[0] * (still - w)
+                && driven < still - w
                 && let Some(q) = q.get_mut(last)
             {
-                *q = -driven - at(flow, last as u32) - b * at(differ, last as u32);
+                *q = still - driven - at(flow, last as u32) - b * at(differ, last as u32);
             }
+            let mark = match (forward, returns) {
+                (true, false) => FORWARD,
+                (true, true) => GIVES_BACK,
+                (false, false) => REVERSED,
+                (false, true) => SHUT,
+            };
             for (column, value) in [
                 (&mut *quadratic, sums[0]),
                 (&mut *linear, sums[1]),
                 (&mut *inertia, inert),
-                (&mut *guarded, if forward { FORWARD } else { REVERSED }),
+                (&mut *guarded, mark),
             ] {
                 if let Some(slot) = column.get_mut(last) {
                     *slot = value;
@@ -125,6 +165,14 @@ pub(super) fn state_laws<E: Element>(
                 head.get_mut(last).filter(|_| matches!(place, Place::Start | Place::NextStage))
             {
                 *slot = sums[2];
+            }
+            // Within the second stage: what carries over, the head, and the leak that counts from the flow at standstill.
+            if SECOND
+                && place != Place::NextStage
+                && let Some(pushed) = pushed.get_mut(last)
+            {
+                let carried = CARRY_OVER * inert * at(first, last as u32);
+                *pushed = carried + at(head, last as u32) + if forward { 0.0 } else { sums[1] * still };
             }
         });
         if law::is_turned(network, line) {
@@ -137,7 +185,7 @@ pub(super) fn state_laws<E: Element>(
 
 /// Solves a stage again with laws stated where the last solve went to.
 #[inline(never)]
-pub(super) fn solve_more<E: Element, const UNROLL: bool>(
+pub(super) fn solve_more<E: Element, const UNROLL: bool, const SECOND: bool>(
     model: &Model<'_, '_, E, UNROLL>,
     given: Given<'_>,
     flow: &[f32],
@@ -145,8 +193,28 @@ pub(super) fn solve_more<E: Element, const UNROLL: bool>(
     work: &mut Work<'_>,
 ) {
     for _ in 0..MORE {
-        state_laws(model.network, model.tau, given, Place::Closing, flow, memory, work);
+        state_laws::<E, SECOND>(model.network, model.tau, given, Place::Closing, flow, memory, work);
         solve::<E, UNROLL, false>(model, flow, work);
+    }
+}
+
+/// Ends a step of two stages: the flow behind a valve that has shut is its leak, that through a valve that gave something back
+/// stands. What passed is booked before.
+#[inline(never)]
+pub(super) fn shut<E: Element>(network: &Network<'_, E>, flow: &[f32], work: &mut Work<'_>) {
+    for entry in network.responsive {
+        let Some(line) = network.lines.get(entry.line as usize) else { continue };
+        for last in range(line).filter(|&last| !continues(&network.plan, last)) {
+            let (w, first, mark) =
+                (at(flow, last as u32), at(work.first, last as u32), at(work.guarded, last as u32));
+            if let Some(dw) = work.q.get_mut(last) {
+                if mark == SHUT {
+                    *dw += CARRY_OVER * (w + first);
+                } else if mark == GIVES_BACK {
+                    *dw = -w;
+                }
+            }
+        }
     }
 }
 

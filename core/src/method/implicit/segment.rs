@@ -45,10 +45,11 @@ impl Momentum {
 
     /// b and q around the increment `dw` of flow `w` where `acts` [Pa], pressures and what else pushes.
     ///
-    /// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the
-    /// slope is taken at the larger of the present flow and of the flow that the present pressures would drive. A
-    /// present flow far above that one, a valve having shut on it, would not be brought down by two solves: the law
-    /// is linearised around the driven flow instead, with the slope that it has at the present one.
+    /// A tangent near zero flow overshoots without bound where inertance does not hold the flow back. There the slope is that of
+    /// the chord between the present flow and the flow that the present pressures would drive, and never less than the
+    /// tangent's at the present one: from rest one solve finds the whole driven flow, and pressures stay between those that
+    /// drive. A present flow far above the driven one, a valve having shut on it, would not be brought down by two solves: the
+    /// law is linearised around the driven flow instead, with the slope that it has at the present one.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "part of the loop over segments")]
     fn linearise(self, w: f32, dw: f32, acts: f32) -> (f32, f32) {
@@ -63,7 +64,7 @@ impl Momentum {
             let per_pressure = 2.0 / (resisting + root);
             let driven = drive * per_pressure;
             let wild = present.abs() > (MOST_DRIVEN * per_pressure) * (total + EXPECTED_DRIVE_PA);
-            size = math::larger(driven.abs(), size);
+            size = math::larger(0.5 * (driven.abs() + present.abs()), size);
             (present, dw) = if wild { (driven, driven - w) } else { (present, dw) };
         }
         let slope = 2.0 * self.quadratic * size;
