@@ -4,6 +4,8 @@
 Only the standard library is used.
 """
 
+import hashlib
+import hmac
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -17,7 +19,14 @@ REFUSALS = ("role", "network", "process", "step")
 OUTCOMES = ("mode", "value", "refused", "no such parameter", "out of range", "busy")
 # Qualities of values that are meant: good, limited, on their way. Everything else stands in for something.
 MEANT = (0, 3, 9)
-HELLO, REFUSED, DATA, COMMAND, ACK = range(5)
+HELLO, REFUSED, DATA, COMMAND, ACK, KEYED = range(6)
+TAG_BYTES = 16
+
+
+def command_tag(key: bytes, plant_nonce: int, controller_nonce: int, sequence: int, command: bytes) -> bytes:
+    """The proof that a command's sender has the key; `command` is the command as it is sent."""
+    signed = b"eclss-rt command 1" + struct.pack("<III", plant_nonce, controller_nonce, sequence) + command
+    return hmac.new(key, signed, hashlib.sha256).digest()[:TAG_BYTES]
 
 
 class Malformed(ValueError):
@@ -146,7 +155,7 @@ def read_packet(frame: bytes) -> Packet:
     if r.byte() != VERSION:
         raise Malformed("version")
     session, sequence, tick, time_us = r.varint(32), r.varint(32), r.varint(64), r.varint(64)
-    kind = r.choice(("hello", "refused", "data", "command", "ack"))
+    kind = r.choice(("hello", "refused", "data", "command", "ack", "keyed"))
     if kind == HELLO:
         names = ("role", "network_id", "process_id", "step_us", "inputs", "outputs", "nonce", "echo")
         body = dict(zip(names, [r.choice(("plant", "controller"))] + [r.varint(n) for n in (64, 64, 32, 16, 16, 32, 32)]))
@@ -156,13 +165,15 @@ def read_packet(frame: bytes) -> Packet:
         body = {"mode": MODES[r.choice(MODES)], "cause": r.byte()}
         body["echo"] = (r.varint(32), r.varint(64), r.varint(32))
         body["values"], body["quality"], body["seen"] = r.list(r.f32), r.list(r.byte), r.list(r.byte)
-    elif kind == COMMAND:
+    elif kind in (COMMAND, KEYED):
         body = {"id": r.varint(32), "command": r.choice(("mode", "set", "get"))}
         body["args"] = (
             [REQUESTS[r.choice(REQUESTS)]]
             if body["command"] == 0
             else [r.varint(16), r.f32()] if body["command"] == 1 else [r.varint(16)]
         )
+        if kind == KEYED:
+            body["tag"] = bytes(r.byte() for _ in range(TAG_BYTES))
     else:
         body = {"id": r.varint(32), "outcome": OUTCOMES[r.choice(OUTCOMES)]}
         if body["outcome"] == "mode":
@@ -170,7 +181,7 @@ def read_packet(frame: bytes) -> Packet:
         elif body["outcome"] == "value":
             body["value"] = r.f32()
         elif body["outcome"] == "refused":
-            reasons = ("mode", "plant", "inputs", "outputs")
+            reasons = ("mode", "plant", "inputs", "outputs", "key")
             body["value"] = reasons[r.choice(reasons)]
     r.end()
     return Packet(session, sequence, tick, time_us, kind, body)
@@ -201,6 +212,7 @@ class Link:
     inputs: int
     outputs: int
     nonce: int
+    key: bytes = None
     hello_ticks: int = 20
     silent_ticks: int = 200
     resend_ticks: int = 20
@@ -308,7 +320,11 @@ class Link:
             return out
         if self._command is not None:
             if self._wait == 0:
-                out += self._next(tick, now_us, COMMAND, self._command)
+                kind, body = COMMAND, self._command
+                if self.key is not None:
+                    nonces = (self._peer, self.nonce)
+                    kind, body = KEYED, body + command_tag(self.key, *nonces, self._sequence + 1 & 0xFFFFFFFF, body)
+                out += self._next(tick, now_us, kind, body)
                 self._wait = self.resend_ticks
             self._wait -= 1
         if values is None:
@@ -342,7 +358,7 @@ class Link:
             self.counters.handshake += 1
             if self._session is None and packet.body["echo"] == self.nonce:
                 self.refused = packet.body["reason"]
-        elif packet.kind in (DATA, COMMAND, ACK) and self._belongs(packet.session):
+        elif packet.kind in (DATA, COMMAND, ACK, KEYED) and self._belongs(packet.session):
             self._sequenced(packet, now_us)
         else:
             self.counters.foreign += 1

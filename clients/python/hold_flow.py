@@ -50,10 +50,11 @@ def main() -> int:
     parser.add_argument("--step-us", type=int, default=1000)
     parser.add_argument("--set-point", type=float, default=0.06, help="flow [kg/s]")
     parser.add_argument("--seconds", type=float, default=60.0, help="time in RUN")
+    parser.add_argument("--key", type=lambda path: bytes.fromhex(open(path).read()), help="file with 64 hexadecimal digits")
     args = parser.parse_args()
     end = connect(args.address)
     nonce = int.from_bytes(os.urandom(4), "little")
-    link = Link(args.network_id, args.process_id, args.step_us, inputs=2, outputs=2, nonce=nonce)
+    link = Link(args.network_id, args.process_id, args.step_us, inputs=2, outputs=2, nonce=nonce, key=args.key)
     step_s = args.step_us * 1e-6
     opening = total = 0.2
     # Gains for a flow that follows within seconds, and a rate that the valve's channel believes.

@@ -33,6 +33,10 @@ class Bytes(unittest.TestCase):
         self.assertEqual(packet.body["echo"], (9, 4000, 250))
         self.assertEqual((packet.body["values"], packet.body["quality"]), ([0.0625, -1.5], [0, 3]))
 
+    def test_the_documented_tag_is_made(self):
+        arm = e.varint(1) + e.varint(0) + e.varint(e.REQUESTS.index("arm"))
+        self.assertEqual(e.command_tag(bytes(range(32)), 5, 7, 3, arm), documented("tag"))
+
     def test_cobs_round_trip(self):
         dice = random.Random(1)
         for length in list(range(40)) + [253, 254, 255, 256, 500, 508, 509]:
@@ -103,6 +107,18 @@ class Sessions(unittest.TestCase):
         link.feed(self.plant(5, 7), 0)
         [frame] = [frame for frame in link.send_tick(1, 1000, None).split(b"\0") if frame]
         self.assertEqual((e.read_packet(frame).kind, e.read_packet(frame).body["echo"]), (e.HELLO, 5))
+
+    def test_a_client_with_a_key_signs_each_packet_of_a_command(self):
+        link = e.Link(9, 42, 1000, 1, 2, nonce=7, key=bytes(range(32)), resend_ticks=2)
+        link.feed(self.plant(5, 7), 0)
+        self.assertTrue(link.command("arm"))
+        packets = [e.read_packet(link.send_tick(tick, 0, None).strip(b"\0") or documented("data")[:-1]) for tick in range(4)]
+        keyed = [packet for packet in packets if packet.kind == e.KEYED]
+        self.assertEqual([packet.sequence for packet in keyed], [1, 2])
+        arm = e.varint(1) + e.varint(0) + e.varint(0)
+        for packet in keyed:
+            self.assertEqual(packet.body["args"], ["arm"])
+            self.assertEqual(packet.body["tag"], e.command_tag(bytes(range(32)), 5, 7, packet.sequence, arm))
 
     def test_another_network_is_refused_by_name(self):
         link = e.Link(10, 42, 1000, 1, 2, nonce=7)

@@ -276,6 +276,8 @@ pub enum Refusal {
     Inputs,
     /// Outputs are still on the way.
     Outputs,
+    /// The command came over a link with a key, and nothing proves that its sender has it.
+    Key,
 }
 
 /// The mode and why it is SAFE, if it is.

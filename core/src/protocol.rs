@@ -26,6 +26,8 @@
 mod clock;
 mod counters;
 mod frame;
+#[cfg(feature = "keyed")]
+mod key;
 mod link;
 mod message;
 mod window;
@@ -33,9 +35,11 @@ mod window;
 pub use clock::{Clock, Drift, Estimate};
 pub use counters::Counters;
 pub use frame::{BadFrame, FRAME_BYTES, Framer, PAYLOAD_BYTES, encode};
+#[cfg(feature = "keyed")]
+pub use key::{KEY_BYTES, Key};
 pub use link::{Config, Link, OUTGOING_BYTES, Outgoing, Received};
 pub use message::{
-    Ack, Body, Command, CommandFrame, Data, Echo, Hello, Outcome, Packet, Refused, RefusedReason, Role,
-    VERSION,
+    Ack, Body, Command, CommandFrame, Data, Echo, Hello, KeyedCommand, Outcome, Packet, Refused,
+    RefusedReason, Role, VERSION,
 };
 pub use window::{Arrival, Window};

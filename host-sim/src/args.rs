@@ -67,6 +67,9 @@ pub(crate) struct HilArgs {
     /// Where hardware is: serial:PORT[@BAUD], udp:[ADDRESS:]PORT, unix:PATH (connects) or unix-listen:PATH.
     #[arg(long, value_name = "LINK")]
     pub(crate) link: Option<String>,
+    /// File with the key of those who may command over the link: 64 hexadecimal digits.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
     /// The one peer that is heard over UDP.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) peer: Option<String>,
@@ -141,6 +144,9 @@ pub(crate) struct WatchArgs {
     /// Where the board is: serial:PORT[@BAUD], udp:[ADDRESS:]PORT, unix:PATH (connects) or unix-listen:PATH.
     #[arg(long, value_name = "LINK")]
     pub(crate) link: String,
+    /// File with the key of those who may command over the link: 64 hexadecimal digits.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) key: Option<PathBuf>,
     /// The one peer that is heard over UDP.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) peer: Option<String>,

@@ -4,6 +4,7 @@
 pub mod arming;
 pub mod board;
 pub mod handover;
+pub mod key;
 pub mod loopback;
 pub mod operator;
 pub mod pace;

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use crate::bench::{job, network, place, settled};
+use eclss_core::protocol::Key;
 use eclss_host_sim::hil::replay::replay;
 use eclss_host_sim::hil::runner::{Job, RecordWishes, run};
 use eclss_host_sim::hil::watch::{self, WatchReport, watch};
@@ -40,11 +41,23 @@ fn watched(
     orders: &[(u64, &str)],
     record: Option<RecordWishes>,
 ) -> (WatchReport, String) {
+    watched_with_keys(name, arm, orders, record, [None; 2])
+}
+
+/// The same with the board's key and the bench's.
+fn watched_with_keys(
+    name: &str,
+    arm: bool,
+    orders: &[(u64, &str)],
+    record: Option<RecordWishes>,
+    keys: [Option<Key>; 2],
+) -> (WatchReport, String) {
     let source = network("hil.toml");
     let path = place(&format!("{name}.sock"));
     let link = |listens| Address::Unix { path: path.clone(), listens };
     let plant = Job {
         link: Some(link(true)),
+        key: keys[0],
         start: Some(settled(&source, STEP_US)),
         ..job(&source, STEP_US, 1_800)
     };
@@ -52,6 +65,7 @@ fn watched(
     let bench = watch::Job {
         settings: plant.settings,
         link: link(false),
+        key: keys[1],
         duration: Some(Duration::from_secs(3)),
         arm,
         record,
@@ -107,6 +121,17 @@ fn a_board_is_armed_driven_and_recorded() {
     assert!(before > 0.086 && after < 0.085, "the flow follows the valve: {before}, then {after}");
     let refused = replay(&folder.join("record.mcap")).unwrap_err().to_string();
     assert!(refused.contains("watched"), "{refused}");
+}
+
+#[test]
+fn only_a_bench_with_the_key_is_obeyed() {
+    let key = Some(Key::new([3; 32]));
+    let orders = [(700, "arm"), (1_400, "stop")];
+    let (report, shown) = watched_with_keys("stranger", false, &orders, None, [key, None]);
+    assert!(report.mode == "READY" && shown.contains("arm: refused: Key"), "{shown}");
+    assert!(shown.contains("stop: refused: Key"), "{shown}");
+    let (report, shown) = watched_with_keys("friend", false, &orders, None, [key; 2]);
+    assert!(report.mode == "SAFE" && shown.contains("arm: granted, RUN"), "{shown}");
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub(crate) fn in_ci() -> bool {
 /// solvers' and the tests' libraries, so every stage names a kind of target that may use them.
 pub(crate) const ALL: [&str; 5] = ["--workspace", "--profile", "checked", "--features", OPTIONS];
 /// What the core offers to boards and files, the real-time loop on a computer, and the tests that run firmware.
-const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/protocol,eclss-core/defmt,\
+const OPTIONS: &str = "eclss-host-sim/hil,eclss-core/keyed,eclss-core/defmt,\
     eclss-target/wire,eclss-tests/qemu";
 /// All tests but those of costs.
 pub(crate) const TESTS: [&str; 3] = ["test", "--exclude", "eclss-bench"];

@@ -10,6 +10,8 @@ pub struct Counters {
     pub accepted: u32,
     /// Those of them whose data were too old to be used.
     pub stale: u32,
+    /// Those of them that were commands of a peer that did not prove that it has the key.
+    pub unproven: u32,
     /// Packets of the session that had come before.
     pub duplicate: u32,
     /// Packets of the session that came after a newer one; they are not taken.

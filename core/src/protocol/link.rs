@@ -9,6 +9,8 @@ mod packets;
 use super::clock::Clock;
 use super::counters::Counters;
 use super::frame::{FRAME_BYTES, Framer, data_bytes};
+#[cfg(feature = "keyed")]
+use super::key::Key;
 use super::message::{Ack, Body, Command, CommandFrame, Data, Echo, Outcome, Refused, RefusedReason, Role};
 use super::window::Window;
 use crate::mode::Mode;
@@ -135,6 +137,8 @@ pub struct Link {
     next_command: u32,
     pending: Option<Pending>,
     ack_in: Option<Ack>,
+    #[cfg(feature = "keyed")]
+    key: Option<Key>,
     out: [u8; OUTGOING_BYTES],
     out_start: usize,
     out_end: usize,
@@ -170,10 +174,19 @@ impl Link {
             next_command: 0,
             pending: None,
             ack_in: None,
+            #[cfg(feature = "keyed")]
+            key: None,
             out: [0; OUTGOING_BYTES],
             out_start: 0,
             out_end: 0,
         }
+    }
+
+    /// Signs its commands with `key` from now on, and does no command of the peer that is not signed with it.
+    #[cfg(feature = "keyed")]
+    #[must_use]
+    pub fn with_key(self, key: Option<Key>) -> Self {
+        Self { key, ..self }
     }
 
     /// Takes bytes that came in, at `now_us` on this end's clock.
@@ -305,7 +318,8 @@ impl Link {
             pending.wait = if due { self.config.resend_ticks } else { pending.wait }.saturating_sub(1);
             let frame = pending.frame;
             if due {
-                self.send(tick, now_us, Body::Command(frame));
+                let body = self.command_body(frame);
+                self.send(tick, now_us, body);
             }
         }
     }

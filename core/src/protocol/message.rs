@@ -39,6 +39,8 @@ pub enum Body {
     Command(CommandFrame),
     /// The answer to a command.
     Ack(Ack),
+    /// Something to do, once, with the sender's proof that it has the key.
+    Keyed(KeyedCommand),
 }
 
 /// Which end of the wire.
@@ -152,6 +154,18 @@ pub struct CommandFrame {
     pub id: u32,
     /// What to do.
     pub command: Command,
+}
+
+/// Bytes of a tag.
+pub(super) const TAG_BYTES: usize = 16;
+
+/// A command with a tag, which only those make who have the key: `docs/protocol.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct KeyedCommand {
+    /// The command.
+    pub frame: CommandFrame,
+    /// Its tag.
+    pub tag: [u8; TAG_BYTES],
 }
 
 /// What to do.

@@ -8,6 +8,7 @@ use eclss_target::wire::Address;
 
 use crate::args::{HilArgs, ReplayArgs, WatchArgs};
 use crate::coupling;
+use crate::hil::key::read_key;
 use crate::hil::operator;
 use crate::hil::pace::Pace;
 use crate::hil::recorder::Trigger;
@@ -110,6 +111,7 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
     Ok(Job {
         settings: plan.settings,
         link,
+        key: args.key.as_deref().map(read_key).transpose()?,
         ticks: args.duration.map(in_ticks),
         pace: match args.speed {
             None => Pace::Real,
@@ -147,6 +149,7 @@ pub(super) fn run_watch(args: &WatchArgs, out: &mut dyn Write) -> Result<(), Fai
     let job = watch::Job {
         settings: Settings { method: source.loaded.run.method, step_us },
         link,
+        key: args.key.as_deref().map(read_key).transpose()?,
         duration: args.duration.map(|time| std::time::Duration::from_micros(time.us())),
         arm: args.arm,
         record,

@@ -4,10 +4,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use super::key::fresh_nonce;
 use eclss_core::Output;
 use eclss_core::mode::{Mode, Refusal, Request};
 use eclss_core::process::{Hold, Image, InputChannel, OutputChannel, Port, Scaling};
-use eclss_core::protocol::{Command, Config, Link as Session, Outcome, Outgoing};
+use eclss_core::protocol::{Command, Config, Key, Link as Session, Outcome, Outgoing};
 use eclss_network_file::ProcessTables;
 use eclss_target::loopback::Loopback;
 use eclss_target::wire::Link;
@@ -114,9 +115,15 @@ impl Probe {
     }
 
     /// Tests over `link` until `ends`; arms the plant, and again after every SAFE.
-    pub fn test(mut self, mut link: Link, config: Config, ends: &AtomicBool) -> LoopbackFigures {
+    pub fn test(
+        mut self,
+        mut link: Link,
+        config: Config,
+        key: Option<Key>,
+        ends: &AtomicBool,
+    ) -> LoopbackFigures {
         let begun_ns = wall_ns();
-        let mut session = Session::new(config, begun_ns as u32 | 1);
+        let mut session = Session::new(config, fresh_nonce()).with_key(key);
         let mut loopback = Loopback::new(self.output, self.low, self.high);
         let (mut in_out, mut end_to_end, mut ticks) = (Times::new(), Times::new(), [u32::MAX, 0]);
         let (mut mode, mut restart, mut sent_ns, mut tick, mut unasked_us) = (Mode::PowerUp, false, 0, 0, 0);

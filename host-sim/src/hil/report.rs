@@ -123,6 +123,8 @@ pub struct LinkFigures {
     pub accepted: u32,
     /// Those of them whose values were too old to be used.
     pub stale: u32,
+    /// Commands that were refused because nothing proved that their sender has the key.
+    pub unproven: u32,
     /// Frames that never came.
     pub lost: u32,
     /// Frames that came late or out of order.
@@ -157,6 +159,7 @@ impl LinkFigures {
             sessions: counters.sessions,
             accepted: counters.accepted,
             stale: counters.stale,
+            unproven: counters.unproven,
             lost: counters.lost,
             late: counters.late.saturating_add(counters.ancient),
             duplicate: counters.duplicate,

@@ -16,7 +16,7 @@ use std::task::{Context, Waker};
 use std::time::Duration;
 
 use eclss_core::process::{InputState, Order as OutputOrder, OutputState, Process};
-use eclss_core::protocol::{Drift, Estimate, Link as Session, Role};
+use eclss_core::protocol::{Drift, Estimate, Key, Link as Session, Role};
 use eclss_core::{Excursion, Health, Place, Settings, Signal, Simulator};
 use eclss_network_file::NamedSignal;
 use eclss_target::control::{self, Event};
@@ -26,6 +26,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::board::{Measured, Order, Pc, Stall, note};
 use super::handover::{Giver, Layout, ring};
+use super::key::{check_reach, fresh_nonce};
 use super::loopback::{LoopbackFigures, Probe};
 use super::pace::Pace;
 use super::plant::HostPlant;
@@ -76,6 +77,8 @@ pub struct Job {
     pub settings: Settings,
     /// Where hardware is.
     pub link: Option<Address>,
+    /// The key of those who may command over it; anybody when absent.
+    pub key: Option<Key>,
     /// Ticks after which the run ends; until somebody ends it when absent.
     pub ticks: Option<u64>,
     /// Pace at the start.
@@ -155,6 +158,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
         let text = "hardware is bound to this network: it runs in real time, or without --link";
         return Err(Failure::BadInput(text.into()));
     }
+    job.link.as_ref().map_or(Ok(()), |link| check_reach(link, job.key.as_ref()))?;
     let network = loaded.network();
     let mut buffers = HostBuffers::default();
     let mut simulator =
@@ -188,7 +192,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     let (giver, taker) = recorder.as_ref().map(|_| ring(layout, rows as usize)).unzip();
     let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
     let slots = layout.inputs;
-    let ends = Ends { giver, events, orders, link, camera, signals, slots, nonce: epoch_ns as u32 | 1 };
+    let ends = Ends { giver, events, orders, link, camera, signals, slots, nonce: fresh_nonce() };
     let tested = AtomicBool::new(false);
     let started = std::time::Instant::now();
     let outcome = std::thread::scope(|scope| -> Result<Outcome, Failure> {
@@ -202,7 +206,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
             });
             let (probe, tested) = (probe.clone(), &tested);
             scope.spawn(move || {
-                let figures = probe.test(link, config, tested);
+                let figures = probe.test(link, config, job.key, tested);
                 drop(keeper);
                 figures
             })
@@ -252,7 +256,7 @@ fn loop_thread(
         let process = Process::new(image, step_s, &mut states.0, &mut states.1)
             .map_err(|error| Failure::Failed(format!("the process image: {error:?}")))?;
         let config = config(&image, simulator.network_id(), job.settings.step_us, Role::Plant);
-        let session = ends.link.is_some().then(|| Session::new(config, ends.nonce));
+        let session = ends.link.is_some().then(|| Session::new(config, ends.nonce).with_key(job.key));
         let coupling = Coupling::new(process, step_s, session);
         let tap = Tap::new(ends.signals, ends.slots, ends.giver, ends.camera);
         let plant = HostPlant::new(simulator, &tap);

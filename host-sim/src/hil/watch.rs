@@ -19,12 +19,13 @@ use std::time::{Duration, Instant};
 
 use eclss_core::Settings;
 use eclss_core::mode::Request;
-use eclss_core::protocol::{Command, Config, Link as Session, Role};
+use eclss_core::protocol::{Command, Config, Key, Link as Session, Role};
 use eclss_target::coupling::{LinkReport, link_counts};
 use eclss_target::wire::{Address, Link, open};
 
 use super::arming::Arming;
 use super::handover::{Head, Row};
+use super::key::fresh_nonce;
 use super::page::{self, Page};
 use super::recorder::Recorder;
 use super::report::{LinkFigures, RecordFigures};
@@ -49,6 +50,8 @@ pub struct Job {
     pub settings: Settings,
     /// Where it is.
     pub link: Address,
+    /// The key that the board wants of those who command it.
+    pub key: Option<Key>,
     /// How long it is watched; until somebody ends it when absent.
     pub duration: Option<Duration>,
     /// Whether its hardware is armed as soon as it can be.
@@ -83,7 +86,7 @@ pub fn watch(source: &Source, job: &Job, out: &mut dyn Write) -> Result<WatchRep
         open_recorder(job.record.as_ref(), &columns, epoch_ns, &loaded.file.to_toml(), &[], &watched())?;
     let page = open_page(source, job, out)?;
     let row = Row { figures: vec![f32::NAN; columns.len()], ..Row::default() };
-    let session = Session::new(config(source, job.settings.step_us), epoch_ns as u32 | 1);
+    let session = Session::new(config(source, job.settings.step_us), fresh_nonce()).with_key(job.key);
     let console = Console::new(loaded, job.shows);
     let begun = Instant::now();
     let arming = Arming::new(job.arm);

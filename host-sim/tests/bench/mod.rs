@@ -39,6 +39,7 @@ pub(crate) fn job(source: &Source, step_us: u32, ticks: u64) -> Job {
     Job {
         settings: Settings { method: source.loaded.run.method, step_us },
         link: None,
+        key: None,
         ticks: Some(ticks),
         pace: Pace::Real,
         core: None,

@@ -2,9 +2,13 @@
 
 use super::super::clock::Clock;
 use super::super::frame;
-use super::super::message::{Ack, Body, Hello, Outcome, Packet, Refused, RefusedReason, Role, VERSION};
+use super::super::message::{
+    Ack, Body, CommandFrame, Hello, KeyedCommand, Outcome, Packet, Refused, RefusedReason, Role, TAG_BYTES,
+    VERSION,
+};
 use super::super::window::{Arrival, Window};
 use super::{Config, Link, Received};
+use crate::mode::Refusal;
 
 impl Link {
     pub(super) fn take(&mut self, packet: Packet, now_us: u64) {
@@ -16,7 +20,9 @@ impl Link {
                     self.refused = Some(refused.reason);
                 }
             }
-            Body::Data(_) | Body::Command(_) | Body::Ack(_) if self.belongs(packet.session) => {
+            Body::Data(_) | Body::Command(_) | Body::Ack(_) | Body::Keyed(_)
+                if self.belongs(packet.session) =>
+            {
                 match self.window.arrive(packet.sequence) {
                     Arrival::New { missing } => {
                         self.counters.lost = self.counters.lost.saturating_add(missing);
@@ -131,16 +137,8 @@ impl Link {
                 self.fresh = true;
                 self.silence = 0;
             }
-            Body::Command(frame) => match self.last {
-                Some((id, done)) if id == frame.id => {
-                    self.ack_out = done.map(|outcome| Ack { id, outcome }).or(self.ack_out);
-                }
-                Some((_, None)) => self.ack_out = Some(Ack { id: frame.id, outcome: Outcome::Busy }),
-                _ => {
-                    self.last = Some((frame.id, None));
-                    self.todo = Some(frame);
-                }
-            },
+            Body::Command(frame) => self.commanded(frame, None, packet.sequence),
+            Body::Keyed(KeyedCommand { frame, tag }) => self.commanded(frame, Some(&tag), packet.sequence),
             Body::Ack(ack) => {
                 if self.pending.is_some_and(|pending| pending.frame.id == ack.id) {
                     self.pending = None;
@@ -149,6 +147,56 @@ impl Link {
             }
             // Told apart before.
             Body::Hello(_) | Body::Refused(_) => {}
+        }
+    }
+
+    /// Takes a command, unless this end has a key and the tag does not prove that the sender has it.
+    fn commanded(&mut self, frame: CommandFrame, tag: Option<&[u8; TAG_BYTES]>, sequence: u32) {
+        if self.is_proven(&frame, tag, sequence) {
+            match self.last {
+                Some((id, done)) if id == frame.id => {
+                    self.ack_out = done.map(|outcome| Ack { id, outcome }).or(self.ack_out);
+                }
+                Some((_, None)) => self.ack_out = Some(Ack { id: frame.id, outcome: Outcome::Busy }),
+                _ => {
+                    self.last = Some((frame.id, None));
+                    self.todo = Some(frame);
+                }
+            }
+        } else {
+            self.counters.unproven = self.counters.unproven.saturating_add(1);
+            self.ack_out = Some(Ack { id: frame.id, outcome: Outcome::Refused(Refusal::Key) });
+        }
+    }
+
+    #[cfg(feature = "keyed")]
+    fn is_proven(&self, frame: &CommandFrame, tag: Option<&[u8; TAG_BYTES]>, sequence: u32) -> bool {
+        let Some(key) = self.key else { return true };
+        tag.is_some_and(|tag| key.verifies(self.nonces(), sequence, frame, tag))
+    }
+
+    #[cfg(not(feature = "keyed"))]
+    fn is_proven(&self, _frame: &CommandFrame, _tag: Option<&[u8; TAG_BYTES]>, _sequence: u32) -> bool {
+        true
+    }
+
+    /// A command as the next packet carries it.
+    pub(super) fn command_body(&self, frame: CommandFrame) -> Body {
+        #[cfg(feature = "keyed")]
+        if let Some(key) = self.key {
+            let tag = key.sign(self.nonces(), self.sequence.wrapping_add(1), &frame);
+            return Body::Keyed(KeyedCommand { frame, tag });
+        }
+        Body::Command(frame)
+    }
+
+    /// Both nonces of the session, the plant's first.
+    #[cfg(feature = "keyed")]
+    fn nonces(&self) -> [u32; 2] {
+        let peer = self.peer_nonce.unwrap_or(0);
+        match self.config.role {
+            Role::Plant => [self.nonce, peer],
+            Role::Controller => [peer, self.nonce],
         }
     }
 

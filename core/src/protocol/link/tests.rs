@@ -393,3 +393,48 @@ fn a_full_buffer_leaves_whole_packets_out() {
     wire.ends[1].feed(&bytes, 0);
     assert_eq!((wire.ends[1].counters().lost, wire.ends[1].counters().damaged()), (0, 0));
 }
+
+/// A plant with a key does what those ask for who have it, and nothing else: not a command without a tag, not one of
+/// another key, and not a recorded one in another session or once more in its own.
+#[cfg(feature = "keyed")]
+#[test]
+fn a_plant_with_a_key_obeys_nobody_else() {
+    let arm = Command::Mode(Request::Arm);
+    let keys = [None, Some(Key::new([1; 32])), Some(Key::new([2; 32]))];
+    for plants in keys {
+        for controllers in keys {
+            let mut wire = Wire::new();
+            let [plant, controller] = wire.ends.clone();
+            wire.ends = [plant.with_key(plants), controller.with_key(controllers)];
+            wire.run(10);
+            wire.ends[1].command(arm);
+            let mut tape = Vec::new();
+            let (mut done, mut answer) = (None, None);
+            for _ in 0..4 {
+                wire.tick(|end, bytes| {
+                    if end == 0 {
+                        tape.extend_from_slice(bytes);
+                    }
+                });
+                if let Some(CommandFrame { id, command }) = wire.ends[0].take_command() {
+                    done = Some(command);
+                    wire.ends[0].acknowledge(id, Outcome::Mode(Mode::Run));
+                }
+                answer = wire.ends[1].take_ack().map(|ack| ack.outcome).or(answer);
+            }
+            let obeys = plants.is_none() || plants == controllers;
+            assert_eq!(done, obeys.then_some(arm), "{plants:?} {controllers:?}");
+            let refused = Outcome::Refused(crate::mode::Refusal::Key);
+            assert_eq!(answer, Some(if obeys { Outcome::Mode(Mode::Run) } else { refused }));
+            assert_eq!(wire.ends[0].counters().unproven > 0, !obeys);
+            // The tape, once more in its session and in the next one of a plant that has another nonce.
+            wire.ends[0].feed(&tape, 0);
+            assert_eq!(wire.ends[0].take_command(), None);
+            wire.ends[0] = Link::new(CONFIG, 99).with_key(plants);
+            wire.run(60);
+            assert!(wire.connected());
+            wire.ends[0].feed(&tape, 0);
+            assert_eq!(wire.ends[0].take_command(), None);
+        }
+    }
+}

@@ -155,6 +155,9 @@ pub(in crate::hil) fn write_link(out: &mut dyn Write, link: &LinkFigures) -> io:
         link.foreign,
         link.unsent
     )?;
+    if link.unproven > 0 {
+        writeln!(out, "commands        {} refused without proof of the key", link.unproven)?;
+    }
     if let (Some(round_trip), Some(offset)) = (link.round_trip_us, link.peer_offset_us) {
         let drift = link.peer_drift_ppm.zip(link.peer_drift_error_ppm);
         let drift =
