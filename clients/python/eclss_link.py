@@ -14,7 +14,7 @@ VERSION = 1
 FRAME_BYTES = 512
 PLANT, CONTROLLER = 0, 1
 MODES = ("POWERUP", "INIT", "READY", "RUN", "HOLD", "SAFE")
-REQUESTS = ("arm", "hold", "resume", "disarm", "acknowledge", "restart", "stop")
+REQUESTS = ("arm", "hold", "resume", "disarm", "acknowledge", "restart", "stop", "settle")
 REFUSALS = ("role", "network", "process", "step")
 OUTCOMES = ("mode", "value", "refused", "no such parameter", "out of range", "busy")
 # Qualities of values that are meant: good, limited, on their way. Everything else stands in for something.

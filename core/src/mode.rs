@@ -156,9 +156,10 @@ pub struct Change {
 }
 
 /// Every change that is possible.
-pub const CHANGES: [Change; 12] = [
+pub const CHANGES: [Change; 13] = [
     change(Some(Mode::PowerUp), Mode::Init, Actor::Loop, "the board was started on purpose"),
     change(Some(Mode::Init), Mode::Ready, Actor::Loop, "rates of change are below their limit"),
+    change(Some(Mode::Init), Mode::Ready, Actor::Operator, "settle: the plant is taken as it is"),
     change(Some(Mode::Ready), Mode::Run, Actor::Operator, "arm: inputs good, outputs at the plant's values"),
     change(Some(Mode::Ready), Mode::Run, Actor::Loop, "no hardware is bound to the plant"),
     change(Some(Mode::Ready), Mode::Init, Actor::Operator, "restart"),
@@ -250,6 +251,8 @@ pub enum Request {
     Restart,
     /// Any → SAFE.
     Stop,
+    /// INIT → READY: the plant is taken as it is.
+    Settle,
 }
 
 /// What a request depends on, as it is now.
@@ -334,7 +337,7 @@ impl Machine {
         let to = match request {
             Request::Arm | Request::Resume => Mode::Run,
             Request::Hold => Mode::Hold,
-            Request::Disarm | Request::Acknowledge => Mode::Ready,
+            Request::Disarm | Request::Acknowledge | Request::Settle => Mode::Ready,
             Request::Restart => Mode::Init,
             Request::Stop => {
                 // Asked for twice is no mistake.
@@ -347,6 +350,7 @@ impl Machine {
             Request::Resume => self.mode == Mode::Hold,
             Request::Acknowledge => self.mode == Mode::Safe,
             Request::Disarm => self.mode.is_armed(),
+            Request::Settle => self.mode == Mode::Init,
             Request::Hold | Request::Restart | Request::Stop => true,
         };
         unless(from && possible(self.mode, to, Actor::Operator), Refusal::Mode)?;
@@ -368,7 +372,7 @@ mod tests {
     use std::format;
     use std::string::String;
 
-    const REQUESTS: [Request; 7] = [
+    const REQUESTS: [Request; 8] = [
         Request::Arm,
         Request::Hold,
         Request::Resume,
@@ -376,6 +380,7 @@ mod tests {
         Request::Acknowledge,
         Request::Restart,
         Request::Stop,
+        Request::Settle,
     ];
 
     fn every_condition() -> impl Iterator<Item = Conditions> {

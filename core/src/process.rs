@@ -138,6 +138,20 @@ pub enum Order {
     Immediate,
 }
 
+/// When a plant in INIT counts as settled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
+    /// Part of its range by which no output may move \[1\].
+    pub part: f32,
+    /// For how long \[s\].
+    pub time_s: f32,
+}
+
+impl Rest {
+    /// Without any word in a file.
+    pub const DEFAULT: Self = Self { part: 2e-5, time_s: 0.5 };
+}
+
 /// The description of a process image, borrowed.
 #[derive(Debug, Clone, Copy)]
 pub struct Image<'a> {
@@ -149,6 +163,8 @@ pub struct Image<'a> {
     pub order: Order,
     /// Ticks without data from a link that brings inputs that the plant may run on; one more leads to SAFE. At least 1.
     pub safe_after_ticks: u32,
+    /// When INIT is over. No part of the [`Image::id`], because the other end of a link has nothing to do with it.
+    pub rest: Rest,
 }
 
 impl Default for Image<'_> {
@@ -159,7 +175,8 @@ impl Default for Image<'_> {
 
 impl Image<'_> {
     /// No channel at all.
-    pub const EMPTY: Self = Image { inputs: &[], outputs: &[], order: Order::Latched, safe_after_ticks: 20 };
+    pub const EMPTY: Self =
+        Image { inputs: &[], outputs: &[], order: Order::Latched, safe_after_ticks: 20, rest: Rest::DEFAULT };
 
     /// Whether hardware is bound to the plant.
     pub fn is_bound(&self) -> bool {

@@ -91,7 +91,7 @@ pub(crate) struct HilArgs {
     /// Ticks of delay that link and hardware add to the coupling's loops.
     #[arg(long, value_name = "TICKS", default_value_t = 0)]
     pub(crate) extra_delay: u32,
-    /// Take orders from the standard input: arm, hold, resume, disarm, acknowledge, restart, stop, quit, pause,
+    /// Take orders from the standard input: settle, arm, hold, resume, disarm, acknowledge, restart, stop, quit, pause,
     /// step [N], go, speed X.
     #[arg(long)]
     pub(crate) operator: bool,
@@ -116,6 +116,9 @@ pub(crate) struct HilArgs {
     /// Start from the state in this file, which --checkpoint left.
     #[arg(long, value_name = "FILE")]
     pub(crate) start: Option<PathBuf>,
+    /// Take the state of --start as it is, at rest or not: the plant stands there until it is armed, and goes on from there.
+    #[arg(long, requires = "start")]
+    pub(crate) resume: bool,
     /// Leave the state at the end in this file.
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,

@@ -140,6 +140,46 @@ fn a_restart_from_a_checkpoint_gives_the_same_bits() {
     assert!(refused.to_string().contains("damaged") && refused.exit_code() == 2, "{refused}");
 }
 
+/// A checkpoint from the middle of a transient: resumed, the plant stands there to the bit until it is armed, where a plain
+/// start goes on to settle. Armed, it takes the step that an unbroken run would have taken.
+#[test]
+fn a_run_is_resumed_from_any_state() {
+    let source = network("hil.toml");
+    let file = place("transient.eckp");
+    let fast = |ticks| Job { pace: Pace::Scaled(f64::INFINITY), ..job(&source, 2_000, ticks) };
+    let saved = run(&source, &Job { checkpoint: Some(file.clone()), ..fast(300) }, &mut sink()).unwrap();
+    assert_eq!(saved.mode, "INIT", "it has not come to rest");
+    let start = Some(std::fs::read(&file).unwrap());
+    let settling = recorded(Job { start: start.clone(), ..fast(300) }, "settling", 1, Vec::new());
+    let record =
+        |job: &Job| std::fs::read_to_string(job.record.as_ref().unwrap().folder.join("record.csv")).unwrap();
+    let unbroken = (run(&source, &settling, &mut sink()).unwrap(), record(&settling));
+    let (settling, unbroken) = (unbroken.0, numbers(&unbroken.1, "valve.mass_flow_kg_s"));
+    assert!(settling.mode == "INIT" && settling.state_hash != saved.state_hash);
+    let standing =
+        run(&source, &Job { start: start.clone(), resume: true, ..fast(300) }, &mut sink()).unwrap();
+    assert_eq!((standing.mode, &standing.state_hash), ("READY", &saved.state_hash));
+
+    let path = place("resumed.sock");
+    let address = |listens| Address::Unix { path: path.clone(), listens };
+    let job = Job { link: Some(address(true)), start, resume: true, ..job(&source, 2_000, 1_500) };
+    let job = recorded(job, "resumed", 1, Vec::new());
+    let other = controller(&source, &address(false), 2_000, 1_500);
+    run(&source, &job, &mut sink()).unwrap();
+    other.join().unwrap();
+    let csv = record(&job);
+    let (modes, flows) = (column(&csv, "mode"), numbers(&csv, "valve.mass_flow_kg_s"));
+    assert!(!modes.contains(&"INIT".to_owned()));
+    let run = modes.iter().position(|mode| mode == "RUN").expect("it was armed");
+    // The step that an unbroken run would have taken: its input has not moved yet.
+    assert!(
+        (flows[run] - unbroken[0]).abs() < 1e-6,
+        "{:?}, unbroken {:?}",
+        &flows[run..run + 3],
+        &unbroken[..3]
+    );
+}
+
 #[test]
 fn time_is_not_scaled_with_hardware_on_it() {
     let source = network("hil.toml");

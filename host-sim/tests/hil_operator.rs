@@ -51,6 +51,30 @@ fn hardware(socket: PathBuf) {
     });
 }
 
+/// INIT ends at the operator's word, and by the limits of the file.
+#[test]
+fn init_ends_when_the_operator_says_so() {
+    let file = place("restless.toml");
+    let text = std::fs::read_to_string("../networks/hil.toml").unwrap();
+    let process = "[process]\nsettled_s = 3000.0\n";
+    std::fs::write(&file, text.replacen("[process]\n", process, 1)).unwrap();
+    let words = ["hil", "--network", file.to_str().unwrap(), "--rate", "100", "--speed", "inf", "--operator"];
+    let mut console = Console::start(&words);
+    console.wait_for("→ INIT");
+    console.listen(Duration::from_secs(2));
+    assert_eq!(console.count("→ READY"), 0, "it is to stand still for most of an hour");
+    console.order("settle");
+    console.wait_for("INIT → READY");
+    std::fs::write(
+        &file,
+        text.replacen("[process]\n", "[process]\nsettled_part = 1.0\nsettled_s = 0.0\n", 1),
+    )
+    .unwrap();
+    let mut console = Console::start(&words);
+    let line = console.wait_for("→ READY");
+    assert!(line.contains("INIT →") || line.contains("POWERUP →"), "{line}");
+}
+
 /// A tick in RUN that takes longer than silence may last is SAFE, though no tick behind it is late.
 #[test]
 fn a_stall_leads_to_safe() {

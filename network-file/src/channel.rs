@@ -11,6 +11,8 @@ pub(crate) fn read_process(process: &mut Table<'_, '_>) -> ProcessEntry {
     ProcessEntry {
         order: process.word("order", &["latched", "immediate"]),
         safe_after_ticks: whole(process, "safe_after_ticks", &limits::TICKS),
+        settled_part: process.number("settled_part", &limits::SETTLED_PART),
+        settled_s: process.number("settled_s", &limits::SETTLED_S),
     }
 }
 

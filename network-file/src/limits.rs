@@ -206,6 +206,10 @@ pub const ANY: Range = range(f64::MIN, f64::MAX, "1");
 pub const FILTER: Range = range(0.0, 1e3, "s");
 /// Numbers of ticks.
 pub const TICKS: Range = range(1.0, 6e4, "1");
+/// Part of its range by which an output of a settled plant may move \[1\].
+pub const SETTLED_PART: Range = range(1e-7, 1.0, "1");
+/// Time for which it may not move further [s].
+pub const SETTLED_S: Range = range(0.0, 3600.0, "s");
 /// Numbers of ticks that may be none.
 pub const SOME_TICKS: Range = range(0.0, 6e4, "1");
 /// Numbers of a board's converters.

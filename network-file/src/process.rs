@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use eclss_core::process::{
-    Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Port, ProcessError,
+    Calibration, Curve, Direction, Hold, Image, InputChannel, Order, OutputChannel, Port, ProcessError, Rest,
     Scaling,
 };
 use eclss_core::{InputSpec, Output, Signal};
@@ -79,12 +79,14 @@ pub struct ProcessTables {
     pub order: Order,
     /// Ticks of silence after which the plant goes to SAFE.
     pub safe_after_ticks: u32,
+    /// When a plant in INIT counts as settled.
+    pub rest: Rest,
 }
 
 impl Default for ProcessTables {
     fn default() -> Self {
-        let Image { order, safe_after_ticks, .. } = Image::EMPTY;
-        Self { inputs: Vec::new(), outputs: Vec::new(), order, safe_after_ticks }
+        let Image { order, safe_after_ticks, rest, .. } = Image::EMPTY;
+        Self { inputs: Vec::new(), outputs: Vec::new(), order, safe_after_ticks, rest }
     }
 }
 
@@ -102,8 +104,8 @@ impl ProcessTables {
     /// Calls `take` with the description that a board runs.
     pub fn with_image<T>(&self, take: impl FnOnce(Image<'_>) -> T) -> T {
         let (inputs, outputs) = (self.input_channels(), self.output_channels());
-        let (order, safe_after_ticks) = (self.order, self.safe_after_ticks);
-        take(Image { inputs: &inputs, outputs: &outputs, order, safe_after_ticks })
+        let (order, safe_after_ticks, rest) = (self.order, self.safe_after_ticks, self.rest);
+        take(Image { inputs: &inputs, outputs: &outputs, order, safe_after_ticks, rest })
     }
 
     /// Id of the process image, on which both ends of a link must agree.
@@ -124,6 +126,11 @@ pub(crate) fn lower(
         if process.order.as_deref() == Some("immediate") {
             tables.order = Order::Immediate;
         }
+        let or = |given: Option<f64>, default: f32| given.map_or(default, |given| given as f32);
+        tables.rest = Rest {
+            part: or(process.settled_part, Rest::DEFAULT.part),
+            time_s: or(process.settled_s, Rest::DEFAULT.time_s),
+        };
         tables.safe_after_ticks = process.safe_after_ticks.unwrap_or(limits::SAFE_AFTER_TICKS) as u32;
     }
     let signals: HashMap<&str, Signal> =

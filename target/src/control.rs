@@ -10,7 +10,7 @@ use crate::plant::{Plant, Untrusted};
 use crate::schedule::Schedule;
 use core::num::NonZeroU32;
 pub use eclss_core::mode::Cause;
-use eclss_core::mode::{Conditions, Machine, Mode, PlantDoes};
+use eclss_core::mode::{Conditions, Machine, Mode, PlantDoes, Request};
 use eclss_core::process::Order;
 use eclss_core::protocol::{Command, CommandFrame, Outcome};
 
@@ -29,6 +29,8 @@ pub struct Settings {
     pub lag_to_safe_us: u64,
     /// Whether to start in SAFE, as after a fault.
     pub start_safe: bool,
+    /// Whether the plant is settled as it is given, so that the first INIT takes no step.
+    pub settled: bool,
     /// Ticks between two [`Event::Status`].
     pub status_every: NonZeroU32,
 }
@@ -99,6 +101,8 @@ struct Loop {
     ready: bool,
     /// How far the plant is behind since it was armed \[µs\].
     lag_us: u64,
+    /// Whether the plant is as it was given, and settled.
+    given: bool,
     /// What of the account's lag came while it was to stand \[µs\].
     stood_us: u64,
 }
@@ -124,6 +128,7 @@ pub async fn run<B: Board, P: Plant>(
         trust: Ok(()),
         ready: false,
         lag_us: 0,
+        given: settings.settled,
         stood_us: 0,
     };
     if settings.start_safe {
@@ -217,7 +222,7 @@ impl Loop {
             self.machine.advance(Mode::Init);
             coupling.unsettle();
         }
-        if self.machine.mode() == Mode::Init && (!bound || coupling.settle(plant)) {
+        if self.machine.mode() == Mode::Init && (!bound || self.given || coupling.settle(plant)) {
             self.ready = self.machine.advance(Mode::Ready);
         }
         if self.machine.mode() == Mode::Ready && !bound {
@@ -230,8 +235,9 @@ impl Loop {
     }
 
     fn command<P: Plant>(&mut self, command: Command, plant: &mut P, coupling: &mut Coupling<'_>) -> Outcome {
+        let ready = self.ready || command == Command::Mode(Request::Settle);
         let conditions = Conditions {
-            plant_trusted: self.trust.is_ok() && self.ready,
+            plant_trusted: self.trust.is_ok() && ready,
             inputs_good: coupling.inputs_good(),
             outputs_arrived: coupling.outputs_arrived(),
         };
@@ -240,10 +246,11 @@ impl Loop {
         match command {
             Command::Mode(request) => match self.machine.request(request, conditions) {
                 Ok(mode) => {
+                    self.ready = ready;
                     if mode == Mode::Init {
                         plant.restart();
                         coupling.unsettle();
-                        (self.trust, self.ready) = (Ok(()), false);
+                        (self.trust, self.ready, self.given) = (Ok(()), false, false);
                     }
                     Outcome::Mode(mode)
                 }
@@ -424,6 +431,7 @@ mod tests {
         overruns_to_safe: 3,
         lag_to_safe_us: 1_000_000,
         start_safe: false,
+        settled: false,
         status_every: NonZeroU32::new(5).unwrap(),
     };
 
@@ -525,7 +533,7 @@ mod tests {
     fn a_parameter_is_set_told_or_not_there() {
         let mut plant = Counting { steps: [0.0], breaks_at: 9.0 };
         let (machine, was, trust) = (Machine::new(), Mode::PowerUp, Ok(()));
-        let mut state = Loop { machine, was, trust, ready: false, lag_us: 0, stood_us: 0 };
+        let mut state = Loop { machine, was, trust, ready: false, lag_us: 0, given: false, stood_us: 0 };
         let mut ask = |command| state.command(command, &mut plant, &mut Coupling::none());
         let cases = [
             (0, 0.7, Outcome::Value(0.7)),

@@ -3,16 +3,12 @@
 use crate::board::{Board, Converters};
 use crate::plant::Plant;
 use eclss_core::mode::{Cause, Conduct, Machine, Outputs};
-use eclss_core::process::{CHANNELS, CONVERTERS, Image, Order, Port, Process};
+use eclss_core::process::{CHANNELS, CONVERTERS, Image, Order, Port, Process, Rest};
 use eclss_core::protocol::{CommandFrame, Counters, Link, Outcome, Outgoing};
 use heapless::Vec;
 
 /// Bytes of the link that are taken at once.
 const CHUNK: usize = 256;
-/// Part of its range by which no output may move while the plant settles \[1\].
-const SETTLED: f32 = 2e-5;
-/// For how long \[s\].
-const SETTLED_S: f32 = 0.5;
 
 static NO_CONVERTERS: Converters = [None; CONVERTERS];
 
@@ -179,14 +175,11 @@ impl<'a> Coupling<'a> {
 
     /// Takes note of a tick of settling; returns whether every output has stood still for long enough.
     pub fn settle<P: Plant>(&mut self, plant: &P) -> bool {
-        let outputs = self.process.image().outputs;
+        let Image { outputs, rest: Rest { part, time_s }, .. } = self.process.image();
         let moved = |channel: &eclss_core::process::OutputChannel<'_>, rest: f32| {
             let way = (plant.signal(channel.signal) - rest).abs();
             // NaN, before the first tick, has moved.
-            !matches!(
-                way.partial_cmp(&((channel.max - channel.min) * SETTLED)),
-                Some(core::cmp::Ordering::Less)
-            )
+            !matches!(way.partial_cmp(&((channel.max - channel.min) * part)), Some(core::cmp::Ordering::Less))
         };
         self.rested = self.rested.saturating_add(1);
         if outputs.iter().zip(&self.rest).any(|(channel, rest)| moved(channel, *rest)) {
@@ -195,7 +188,7 @@ impl<'a> Coupling<'a> {
                 *rest = plant.signal(channel.signal);
             }
         }
-        self.rested as f32 * self.step_s >= SETTLED_S
+        self.rested as f32 * self.step_s >= time_s
     }
 
     /// Gives out what the latest [`Self::emit`] made.

@@ -121,6 +121,7 @@ fn job(args: &HilArgs, source: &Source) -> Result<Job, Failure> {
         arm: args.arm,
         record,
         start: start.transpose()?,
+        resume: args.resume,
         checkpoint: args.checkpoint.clone(),
         stall,
         operator: args.operator,

@@ -110,8 +110,8 @@ impl Probe {
                 safe_rate_per_s: f32::INFINITY,
             });
         }
-        let (order, safe_after_ticks) = (tables.order, tables.safe_after_ticks);
-        take(Image { inputs: &inputs, outputs: &outputs, order, safe_after_ticks })
+        let (order, safe_after_ticks, rest) = (tables.order, tables.safe_after_ticks, tables.rest);
+        take(Image { inputs: &inputs, outputs: &outputs, order, safe_after_ticks, rest })
     }
 
     /// Tests over `link` until `ends`; arms the plant, and again after every SAFE.

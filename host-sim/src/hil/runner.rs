@@ -91,6 +91,8 @@ pub struct Job {
     pub record: Option<RecordWishes>,
     /// State to start from.
     pub start: Option<Vec<u8>>,
+    /// Whether that state is taken as it is: INIT takes no step, and the plant stands in READY until it is armed.
+    pub resume: bool,
     /// Where to leave the state at the end.
     pub checkpoint: Option<PathBuf>,
     /// A tick that is made too long.
@@ -331,6 +333,7 @@ pub fn drive(
         overruns_to_safe: OVERRUNS_TO_SAFE,
         lag_to_safe_us: LAG_TO_SAFE_US,
         start_safe: false,
+        settled: job.resume,
         status_every: NonZeroU32::new(per_second.get() / 10).unwrap_or(NonZeroU32::MIN),
     };
     let looped = pin!(control::run(board, plant, coupling, &settings, tell));

@@ -46,6 +46,7 @@ pub(crate) fn job(source: &Source, step_us: u32, ticks: u64) -> Job {
         arm: false,
         record: None,
         start: None,
+        resume: false,
         checkpoint: None,
         stall: None,
         operator: false,
@@ -95,6 +96,7 @@ pub(crate) fn controller(source: &Source, address: &Address, step_us: u32, ticks
             overruns_to_safe: u32::MAX,
             lag_to_safe_us: u64::MAX,
             start_safe: false,
+            settled: false,
             status_every: NonZeroU32::new(1_000).unwrap(),
         };
         let looped = pin!(run_controller(&mut board, &mut session, &mut controller, &settings, |_| {}));

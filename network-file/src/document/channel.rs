@@ -11,6 +11,12 @@ pub struct ProcessEntry {
     /// Ticks of silence after which the plant goes to SAFE; [`crate::limits::SAFE_AFTER_TICKS`] when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub safe_after_ticks: Option<f64>,
+    /// Part of its range by which no output may move for INIT to be over \[1\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled_part: Option<f64>,
+    /// For how long \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled_s: Option<f64>,
 }
 
 /// Table `[[channel]]`.

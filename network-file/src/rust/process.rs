@@ -31,8 +31,9 @@ pub(super) fn write(loaded: &Loaded, text: &mut String) {
         "\n/// The process image.\n\
          pub static PROCESS: Image<'static> = Image {{\n    \
              inputs: &INPUT_CHANNELS,\n    outputs: &OUTPUT_CHANNELS,\n    order: Order::{:?},\n    \
-             safe_after_ticks: {},\n}};\n",
-        process.order, process.safe_after_ticks
+             safe_after_ticks: {},\n    \
+             rest: eclss_core::process::Rest {{ part: {:?}, time_s: {:?} }},\n}};\n",
+        process.order, process.safe_after_ticks, process.rest.part, process.rest.time_s
     );
 }
 

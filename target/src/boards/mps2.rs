@@ -99,6 +99,7 @@ pub fn start(name: &'static str) -> ! {
         overruns_to_safe: 5,
         lag_to_safe_us: 1_000_000,
         start_safe: reason != ResetReason::PowerOn,
+        settled: false,
         status_every: per_second,
     };
     let board = Mps2 { name, overload: request.overload, tick: 0, uart: Uart::start() };

@@ -100,6 +100,7 @@ pub fn start() -> ! {
         overruns_to_safe: 5,
         lag_to_safe_us: 1_000_000,
         start_safe: reason != ResetReason::PowerOn,
+        settled: false,
         status_every: NonZeroU32::new(1_000_000 / period_us).unwrap_or(NonZeroU32::MIN),
     };
     let inputs = Inputs::new(p.ADC1, p.ADC2, p.TIM6, p.PA3, p.PC0);

@@ -127,6 +127,7 @@ pub(crate) fn run_on<P: Peer>(
         outputs: &outputs,
         order: loaded.process.order,
         safe_after_ticks: loaded.process.safe_after_ticks,
+        rest: loaded.process.rest,
     };
     let mut input_states = vec![InputState::new(0.0); inputs.len()];
     let mut output_states = vec![OutputState::new(0.0); outputs.len()];
@@ -142,6 +143,7 @@ pub(crate) fn run_on<P: Peer>(
         overruns_to_safe: 3,
         lag_to_safe_us: 1_000_000,
         start_safe,
+        settled: false,
         status_every: NonZeroU32::new(1_000_000).unwrap(),
     };
     let mut events = Vec::new();

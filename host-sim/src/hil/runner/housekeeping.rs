@@ -250,7 +250,7 @@ impl<'o> Housekeeping<'o> {
     }
 }
 
-const ORDERS: &str = "orders are arm, hold, resume, disarm, acknowledge, restart, stop, quit; and while no hardware is \
+const ORDERS: &str = "orders are settle, arm, hold, resume, disarm, acknowledge, restart, stop, quit; and while no hardware is \
                       armed: pause, step [N], go, speed X, speed max";
 
 /// Reads an order.
@@ -264,6 +264,7 @@ fn parse(line: &str) -> Option<Order> {
         ("acknowledge", "") => Order::Mode(Request::Acknowledge),
         ("restart", "") => Order::Mode(Request::Restart),
         ("stop", "") => Order::Mode(Request::Stop),
+        ("settle", "") => Order::Mode(Request::Settle),
         ("quit", "") => Order::Quit,
         ("pause", "") => Order::Pace(Pace::Paused),
         ("go", "") => Order::Pace(Pace::Real),

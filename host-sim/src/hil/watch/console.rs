@@ -11,8 +11,7 @@ use eclss_network_file::Loaded;
 use super::super::arming::Arming;
 use super::desk::Desk;
 
-const ORDERS: &str =
-    "orders are arm, hold, resume, disarm, acknowledge, restart, stop, set NAME VALUE, get NAME, quit";
+const ORDERS: &str = "orders are settle, arm, hold, resume, disarm, acknowledge, restart, stop, set NAME VALUE, get NAME, quit";
 
 /// What an operator asks for.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,6 +148,7 @@ fn parse(line: &str) -> Option<Order> {
         ("acknowledge", None, _) => Order::Mode(Request::Acknowledge),
         ("restart", None, _) => Order::Mode(Request::Restart),
         ("stop", None, _) => Order::Mode(Request::Stop),
+        ("settle", None, _) => Order::Mode(Request::Settle),
         ("quit", None, _) => Order::Quit,
         ("get", Some(name), None) => Order::Get(name.to_owned()),
         ("set", Some(name), Some(value)) => {
