@@ -227,7 +227,7 @@ impl Signal {
     }
 
     /// Adds the signal to a hash; its place in the table does not count.
-    pub(crate) fn feed(self, hash: &mut Fingerprint) {
+    pub(crate) fn hash_into(self, hash: &mut Fingerprint) {
         self.output.key().bytes().for_each(|byte| hash.word(u32::from(byte)));
         hash.word(self.owner);
         hash.word(u32::from(self.item));

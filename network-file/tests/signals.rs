@@ -1,6 +1,7 @@
 //! The table of signals: one name, one reading, one unit for everything that a network publishes.
 
 use std::collections::HashSet;
+use std::fmt::Write as _;
 
 use eclss_core::signal::{Display, Owner};
 use eclss_core::{Method, Output, Settings, Signal, Simulator};
@@ -74,7 +75,8 @@ fn signals_read_alike_together_and_alone() {
                     signals.reverse();
                     if turn == 1 {
                         let length = signals.len();
-                        let stride = [7, 11, 13].into_iter().find(|stride| length % stride != 0).unwrap();
+                        let stride =
+                            [7, 11, 13].into_iter().find(|stride| !length.is_multiple_of(*stride)).unwrap();
                         signals = (0..length).map(|k| signals[k * stride % length]).collect();
                     }
                 }
@@ -222,7 +224,8 @@ fn sensors_and_channels_take_what_the_table_has() {
     for part in channels.chunks(64) {
         let mut text = THCS.to_owned();
         for named in part {
-            text += &format!(
+            let _ = write!(
+                text,
                 "\n[[channel]]\nbind = {:?}\ndirection = \"out\"\nmin = 0.0\nmax = 1.0\nsafe_value = 0.0\n",
                 named.name
             );

@@ -39,7 +39,7 @@ impl ControlLoop {
     pub const STATE: usize = Sensor::STATE + Controller::STATE + Actuator::STATE;
 
     pub(crate) fn feed(&self, hash: &mut Fingerprint) {
-        self.measures.feed(hash);
+        self.measures.hash_into(hash);
         for word in [self.drives, self.opposite, self.first_input] {
             hash.word(word);
         }

@@ -187,7 +187,7 @@ impl OutputChannel<'_> {
     }
 
     pub(super) fn feed(&self, hash: &mut Fingerprint) {
-        self.signal.feed(hash);
+        self.signal.hash_into(hash);
         feed_port(self.port, hash);
         self.scaling.feed(hash);
         hash.values(&[self.min, self.max, self.max_rate_per_s, self.safe_value, self.safe_rate_per_s]);

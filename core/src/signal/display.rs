@@ -130,6 +130,7 @@ impl Display {
     }
 
     /// Form of the difference of two such figures, such as an offset of a sensor.
+    #[must_use]
     pub const fn difference(self) -> Self {
         match self {
             Self::Temperature => Self::TemperatureDifference,
