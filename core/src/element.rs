@@ -36,11 +36,14 @@ pub use reference_pipe::ReferencePipe;
 pub use relief_valve::ReliefValve;
 pub use valve::Valve;
 
-use crate::Fingerprint;
 use crate::control::ActuatorFault;
+use crate::{Fingerprint, math};
 
 /// Input of a valve that acts by itself: 0 sound, 1 stuck as it stands, 2 open, 3 closed.
 const FAULT: InputSpec = InputSpec { name: "fault", unit: "1", min: 0.0, max: 3.0, default: 0.0 };
+
+/// Smallest share of an opening that may remain when closed [1]: its square is still a normal number.
+const LEAST_LEAKAGE: f32 = 1e-18;
 
 /// The fault of a valve that acts by itself.
 fn fault(inputs: &[f32]) -> ActuatorFault {
@@ -63,6 +66,15 @@ pub struct Law {
 }
 
 impl Law {
+    /// Resistance of a closed seat [Pa·s²/kg²], and the largest of any: 1 bar drives 3e-8 kg/d through it. R·w² at
+    /// 1000 kg/s and 4·R·Δp at 60 MPa stay within single precision.
+    pub const TIGHT_PA_S2_KG2: f32 = 1e30;
+
+    /// A law with a quadratic loss that grows without end as an opening closes: held at [`Self::TIGHT_PA_S2_KG2`].
+    pub fn closing(resistance: f32) -> Self {
+        Self::quadratic(math::smaller(resistance, Self::TIGHT_PA_S2_KG2))
+    }
+
     /// A law with a quadratic loss only.
     pub const fn quadratic(resistance: f32) -> Self {
         Self { resistance, linear: 0.0, head: 0.0 }

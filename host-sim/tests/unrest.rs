@@ -140,3 +140,32 @@ fn a_node_that_the_operator_slows_is_named() {
     let (code, out, _) = folder.say(&["run", "slowed.toml", "--method", "implicit-euler"]);
     assert!(code == 0 && !out.contains("slowed  "), "{out}");
 }
+
+/// What leaves for space is summed and warned of, line by line; a tight valve gives nothing to warn of.
+#[test]
+fn check_sums_what_leaks_to_space() {
+    let folder = Folder::new("unrest_leaks");
+    let space = node("space", "boundary", "").replace("101325.0", "0.0");
+    let valve = "kind = \"relief_valve\"\ncrack_pa = 104000.0\nreseat_pa = 103000.0\ndischarge_coefficient = 0.8\n\
+                 diameter_m = 0.05";
+    let leak = "kind = \"leak\"\nleak_kg_d = 0.5\npressure_drop_pa = 101325.0";
+    let seat = format!("{valve}\nseat_leak_kg_d = 0.25\nseat_leak_pressure_pa = 101325.0");
+    for (element, sum, warns) in [(valve, "2.", false), (&seat, "7.50", true)] {
+        let mut text = head("leaks") + &node("hab", "cabin", "volume_m3 = 60.0") + &space;
+        text += &line("relief", "hab", "space", element);
+        if warns {
+            text += &line("hull", "space", "hab", leak);
+        }
+        std::fs::write(folder.path("leaks.toml"), &text).unwrap();
+        let (code, out, err) = folder.say(&["check", "leaks.toml"]);
+        assert_eq!(code, 0, "{out}{err}");
+        assert!(out.contains(&format!("to space    {sum}")), "{out}");
+        let warning =
+            out.lines().find(|line| line.starts_with("warning") && line.contains("leave for space"));
+        assert_eq!(warning.is_some(), warns, "{out}");
+        assert!(
+            warning.is_none_or(|line| line.contains("7.500e-1 kg/d") && line.contains("`hull`")),
+            "{out}"
+        );
+    }
+}

@@ -10,7 +10,7 @@ pub mod element;
 use serde::Serialize;
 
 pub use self::channel::{ChannelEntry, InputKeys, ProcessEntry};
-pub use self::element::{Blockage, Curve, ElementKind, Loss, Machine, Passage, Regulator};
+pub use self::element::{Blockage, Curve, ElementKind, Loss, Machine, Passage, Regulator, Seat};
 
 use self::air::{AirEntry, ContentsEntry, ControlEntry, PartEntry};
 

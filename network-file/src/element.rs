@@ -4,12 +4,12 @@
 //! machine.
 
 use eclss_core::element::{
-    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump,
-    ReferencePipe, ReliefValve, Valve,
+    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Law, Measured, Orifice, Pipe, PressureRegulator,
+    Pump, ReferencePipe, ReliefValve, Valve,
 };
 use eclss_core::{StdElement, air};
 
-use crate::document::{Curve, ElementEntry, ElementKind, Loss, Passage};
+use crate::document::{Curve, ElementEntry, ElementKind, Loss, Passage, Seat};
 use crate::limits::{self, Range};
 use crate::notes::Notes;
 use crate::number::single;
@@ -51,7 +51,7 @@ impl Conversion<'_> {
                 if blockage.blockable == Some(true) {
                     // A free share C of the area, as of a hatch.
                     let (open_resistance_pa_s2_kg2, leakage_opening) =
-                        (resistance, limits::LEAKAGE_OPENING as f32);
+                        (resistance, limits::BLOCKED_OPENING as f32);
                     StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2, leakage_opening })
                 } else {
                     StdElement::Pipe(Pipe { resistance_pa_s2_kg2: resistance })
@@ -69,11 +69,12 @@ impl Conversion<'_> {
                     exponent: *exponent as f32,
                 })
             }
-            ElementKind::Valve { open_resistance_pa_s2_kg2, exponent, leakage_opening, .. } => {
+            ElementKind::Valve { open_resistance_pa_s2_kg2, exponent, seat, .. } => {
+                let leakage = self.remaining_of_loss(seat, *open_resistance_pa_s2_kg2, *exponent);
                 StdElement::Valve(Valve {
                     open_resistance_pa_s2_kg2: *open_resistance_pa_s2_kg2 as f32,
                     exponent: *exponent as f32,
-                    leakage_opening: leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
+                    leakage_opening: leakage,
                 })
             }
             ElementKind::Fan(machine) => StdElement::Fan(Fan { curve: self.curve(&machine.curve) }),
@@ -107,33 +108,80 @@ impl Conversion<'_> {
                     reverse_pa_s_kg: self.fit("reverse_leak_kg_s", reverse, &limits::SEAT_RESISTANCE),
                 })
             }
-            ElementKind::ReliefValve { crack_pa, reseat_pa, passage, leakage_opening } => {
+            ElementKind::ReliefValve { crack_pa, reseat_pa, passage, seat } => {
                 let (resistance_pa_s2_kg2, effective_area_m2) = match passage {
                     Passage::Discharge { discharge_coefficient } => {
                         (0.0, self.effective_area(*discharge_coefficient))
                     }
                     Passage::Loss(loss) => (self.resistance(loss), 0.0),
                 };
+                let leakage_opening = if effective_area_m2 > 0.0 {
+                    self.remaining_of_area(seat, effective_area_m2)
+                } else {
+                    self.remaining_of_loss(seat, f64::from(resistance_pa_s2_kg2), 2.0)
+                };
                 StdElement::ReliefValve(ReliefValve {
                     crack_pa: *crack_pa as f32,
                     reseat_pa: *reseat_pa as f32,
                     resistance_pa_s2_kg2,
                     effective_area_m2,
-                    leakage_opening: leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
+                    leakage_opening,
                 })
             }
-            ElementKind::PressureRegulator(regulator) => StdElement::PressureRegulator(PressureRegulator {
-                effective_area_m2: self.effective_area(regulator.discharge_coefficient),
-                set_point_pa: regulator.set_point_pa as f32,
-                band_pa: regulator.band_pa as f32,
-                lag_s: regulator.lag_s as f32,
-                leakage_opening: regulator.leakage_opening.unwrap_or(limits::LEAKAGE_OPENING) as f32,
-            }),
-            ElementKind::Hatch { loss, leakage_opening, .. } => StdElement::Hatch(Hatch {
-                open_resistance_pa_s2_kg2: self.resistance(loss),
-                leakage_opening: leakage_opening.unwrap_or(limits::HATCH_LEAKAGE) as f32,
-            }),
+            ElementKind::PressureRegulator(regulator) => {
+                let effective_area_m2 = self.effective_area(regulator.discharge_coefficient);
+                StdElement::PressureRegulator(PressureRegulator {
+                    effective_area_m2,
+                    set_point_pa: regulator.set_point_pa as f32,
+                    band_pa: regulator.band_pa as f32,
+                    lag_s: regulator.lag_s as f32,
+                    leakage_opening: self.remaining_of_area(&regulator.seat, effective_area_m2),
+                })
+            }
+            ElementKind::Hatch { loss, seat, .. } => {
+                let open_resistance_pa_s2_kg2 = self.resistance(loss);
+                StdElement::Hatch(Hatch {
+                    open_resistance_pa_s2_kg2,
+                    leakage_opening: self.remaining_of_loss(seat, f64::from(open_resistance_pa_s2_kg2), 2.0),
+                })
+            }
         }
+    }
+
+    /// Opening that a closed loss k·C⁻ⁿ keeps: with the measured leak m at Δp it resists Δp/m², without one it is tight.
+    fn remaining_of_loss(&mut self, seat: &Seat, open_resistance: f64, exponent: f64) -> f32 {
+        let closed = match (seat.leakage_opening, seat.seat_leak_kg_d, seat.seat_leak_pressure_pa) {
+            (Some(opening), ..) => return opening as f32,
+            (None, Some(leak_kg_d), Some(pressure_pa)) if leak_kg_d > 0.0 => {
+                let leak_kg_s = leak_kg_d / SECONDS_A_DAY;
+                f64::min(pressure_pa / (leak_kg_s * leak_kg_s), f64::from(Law::TIGHT_PA_S2_KG2))
+            }
+            _ => f64::from(Law::TIGHT_PA_S2_KG2),
+        };
+        // A loss that no opening changes never closes.
+        let opening = if exponent > 0.0 { libm::pow(open_resistance / closed, 1.0 / exponent) } else { 1.0 };
+        self.remaining(seat, opening)
+    }
+
+    /// Opening that a closed area keeps.
+    fn remaining_of_area(&mut self, seat: &Seat, open_area_m2: f32) -> f32 {
+        match (seat.leakage_opening, seat.seat_leak_kg_d, seat.seat_leak_pressure_pa) {
+            (Some(opening), ..) => opening as f32,
+            (None, Some(leak_kg_d), Some(pressure_pa)) => {
+                let (start_pa, temperature_k) = self.high_side;
+                let high = f64::max(start_pa, pressure_pa);
+                let per_area = flow_per_area(high, high - pressure_pa, temperature_k);
+                self.remaining(seat, leak_kg_d / SECONDS_A_DAY / per_area / f64::from(open_area_m2))
+            }
+            _ => limits::TIGHT_OPENING as f32,
+        }
+    }
+
+    fn remaining(&mut self, seat: &Seat, opening: f64) -> f32 {
+        if opening > 1.0 && seat.seat_leak_kg_d.is_some() {
+            self.refuse("seat_leak_kg_d", "the closed seat would let more through than the open element");
+        }
+        f64::min(f64::max(opening, limits::TIGHT_OPENING), 1.0) as f32
     }
 
     /// The orifice that leaks as was measured.

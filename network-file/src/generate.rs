@@ -28,7 +28,7 @@ pub use self::ring::{Gas, ring};
 use crate::document::air::ContentsEntry;
 use crate::document::{
     Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
-    NodeEntryKind, Run, SCHEMA, ScheduleEntry,
+    NodeEntryKind, Run, SCHEMA, ScheduleEntry, Seat,
 };
 use crate::limits;
 
@@ -194,7 +194,7 @@ fn passive(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> L
     let valve = ElementKind::Valve {
         open_resistance_pa_s2_kg2: figures.between(50.0, 200.0),
         exponent: 3.0,
-        leakage_opening: None,
+        seat: Seat::default(),
         opening: None,
     };
     line(

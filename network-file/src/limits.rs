@@ -35,10 +35,11 @@ pub const ID_BYTES: usize = 48;
 
 /// Driving pressure below which a line is linear when its file does not say [Pa].
 pub const LAMINAR_BELOW_PA: f64 = 1e-3;
-/// Opening that remains of a closed valve when its file does not say [1].
-pub const LEAKAGE_OPENING: f64 = 1e-3;
-/// Part of a hatch's area that remains when closed and its file does not say [1].
-pub const HATCH_LEAKAGE: f64 = 1e-5;
+/// Free share of the area that remains of a blocked element [1].
+pub const BLOCKED_OPENING: f64 = 1e-3;
+/// Opening that remains when closed of a valve, regulator or hatch that is tight [1]; what is left of a quadratic loss is
+/// [`eclss_core::Law::TIGHT_PA_S2_KG2`].
+pub const TIGHT_OPENING: f64 = 1.001e-18;
 /// Default method.
 pub const METHOD: &str = "relaxation";
 /// Default step.
@@ -121,14 +122,14 @@ pub const FRACTION: Range = range(0.0, 1.0, "1");
 pub const MEASURED_FLOW: Range = range(1e-6, 100.0, "kg/s");
 /// How strongly they answer to pressure.
 pub const MEASURED_SLOPE: Range = range(1e-9, 1e3, "kg/(s·Pa)");
-/// Leakage openings.
-pub const LEAKAGE: Range = range(1e-4, 1.0, "1");
-/// Parts of a hatch's area that remain when closed.
-pub const HATCH_LEFT: Range = range(1e-6, 1.0, "1");
+/// Openings that remain when closed.
+pub const LEAKAGE: Range = range(1e-12, 1.0, "1");
+/// Leaks of seats a day.
+pub const SEAT_LEAK_A_DAY: Range = range(0.0, 1e6, "kg/d");
 /// Discharge coefficients.
 pub const DISCHARGE: Range = range(1e-3, 1.0, "1");
 /// Effective areas of openings.
-pub const EFFECTIVE_AREA: Range = range(1e-12, 1e4, "m²");
+pub const EFFECTIVE_AREA: Range = range(1e-15, 1e4, "m²");
 /// Measured leaks.
 pub const LEAK: Range = range(1e-9, 1e6, "kg/d");
 /// Leaks of a check valve's seat.

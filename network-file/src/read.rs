@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 use crate::channel;
 use crate::document::{
     Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
-    NodeEntryKind, Passage, Regulator, Run, SCHEMA, ScheduleEntry,
+    NodeEntryKind, Passage, Regulator, Run, SCHEMA, ScheduleEntry, Seat,
 };
 use crate::limits;
 use crate::notes::Notes;
@@ -208,7 +208,7 @@ fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> 
             open_resistance_pa_s2_kg2: element
                 .need_number("open_resistance_pa_s2_kg2", &limits::SOME_RESISTANCE),
             exponent: element.need_number("exponent", &limits::VALVE_EXPONENT),
-            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+            seat: read_seat(element),
             opening: element.number("opening", &limits::FRACTION),
         },
         "fan" => ElementKind::Fan(read_machine(element)),
@@ -277,21 +277,44 @@ fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
             } else {
                 Passage::Loss(read_loss(element))
             },
-            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+            seat: read_seat(element),
         },
         "pressure_regulator" => ElementKind::PressureRegulator(Regulator {
             discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
             set_point_pa: element.need_number("set_point_pa", &limits::SOME_PRESSURE),
             band_pa: element.need_number("band_pa", &limits::SOME_PRESSURE),
             lag_s: element.need_number("lag_s", &limits::LAG),
-            leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+            seat: read_seat(element),
         }),
         _ => ElementKind::Hatch {
             loss: read_loss(element),
-            leakage_opening: element.number("leakage_opening", &limits::HATCH_LEFT),
+            seat: read_seat(element),
             opening: element.number("opening", &limits::FRACTION),
         },
     }
+}
+
+/// What the element lets through when closed.
+fn read_seat(element: &mut Table<'_, '_>) -> Seat {
+    let seat = Seat {
+        leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
+        seat_leak_kg_d: element.number("seat_leak_kg_d", &limits::SEAT_LEAK_A_DAY),
+        seat_leak_pressure_pa: element.number("seat_leak_pressure_pa", &limits::SOME_PRESSURE),
+    };
+    if element.has("leakage_opening") && element.has("seat_leak_kg_d") {
+        element.refuse(
+            "seat_leak_kg_d",
+            "give the leak of the seat once: as `seat_leak_kg_d`, or as `leakage_opening`",
+        );
+    }
+    for (key, other) in
+        [("seat_leak_kg_d", "seat_leak_pressure_pa"), ("seat_leak_pressure_pa", "seat_leak_kg_d")]
+    {
+        if element.has(key) && !element.has(other) {
+            element.refuse(key, format!("`{key}` needs `{other}`: a leak at a pressure"));
+        }
+    }
+    seat
 }
 
 /// Whether the element can be blocked, and how far it is.

@@ -29,7 +29,7 @@ pub(crate) fn keys_of(parameter: &'static str) -> &'static [&'static str] {
         "open_resistance_pa_s2_kg2" => {
             &["open_resistance_pa_s2_kg2", "resistance_pa_s2_kg2", "loss_coefficient"]
         }
-        "leakage_opening" => &["leakage_opening"],
+        "leakage_opening" => &["leakage_opening", "seat_leak_kg_d"],
         "liquid_fraction" => &["liquid_fraction"],
         "separator_efficiency" => &["separator_efficiency"],
         "mass_fraction" => &["mass_fraction"],

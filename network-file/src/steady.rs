@@ -124,6 +124,11 @@ pub fn steady_flows<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Res
     newton::solve(network, inputs, &islands(network, inputs)?)
 }
 
+/// Flow that the start's pressures drive through every line with the inputs held at `inputs` [kg/s].
+pub(crate) fn flows_at_start<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
+    Islands::find(network).map(|islands| newton::at_start(network, inputs, &islands)).unwrap_or_default()
+}
+
 fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islands, SteadyError> {
     network.check().map_err(SteadyError::Network)?;
     if inputs.len() < network.inputs.len() {

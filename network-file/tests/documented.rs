@@ -16,7 +16,7 @@ fn its_example_is_accepted() {
 
 #[test]
 fn its_ranges_are_the_ones_that_are_checked() {
-    let ranges: [(&str, &Range); 47] = [
+    let ranges: [(&str, &Range); 49] = [
         ("reference_pressure_pa", &limits::PRESSURE),
         ("volume_m3", &limits::NODE_VOLUME),
         ("pressure_pa", &limits::PRESSURE),
@@ -62,7 +62,9 @@ fn its_ranges_are_the_ones_that_are_checked() {
         ("set_point_pa", &limits::SOME_PRESSURE),
         ("band_pa", &limits::SOME_PRESSURE),
         ("lag_s", &limits::LAG),
-        ("leakage_opening", &limits::HATCH_LEFT),
+        ("leakage_opening", &limits::LEAKAGE),
+        ("seat_leak_kg_d", &limits::SEAT_LEAK_A_DAY),
+        ("seat_leak_pressure_pa", &limits::SOME_PRESSURE),
         ("opening", &limits::FRACTION),
     ];
     for (key, range) in ranges {

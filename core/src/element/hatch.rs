@@ -4,7 +4,8 @@
 //!
 //! Source: the quadratic loss of Qiu et al. 2017 on the hatch's own area; ξ is the user's (a sharp-edged hole
 //! between large rooms has about 2.7, which is 1/0.61²). Pressure differences between open cabins are small: 1 Pa
-//! drives about 1 kg/s through 1 m². A closed hatch keeps a leak.
+//! drives about 1 kg/s through 1 m². A closed hatch keeps the leak
+//! of its seal.
 
 use super::{Element, InputSpec, Law, Operating, ParameterError, Reason};
 use crate::{Fingerprint, math};
@@ -16,23 +17,27 @@ use crate::{Fingerprint, math};
 pub struct Hatch {
     /// Resistance R when fully open [Pa·s²/kg²] at the line's reference density; finite and > 0.
     pub open_resistance_pa_s2_kg2: f32,
-    /// Part of the area that remains when closed [1]; 1e-6 … 1.
+    /// Part of the area that remains when closed [1]; 1e-18 … 1.
     pub leakage_opening: f32,
 }
 
-/// Refuses a leakage opening outside 1e-4 … 1, or with which the closed resistance has no finite square.
-pub(super) fn check_leakage(opening: f32, open_resistance: f32) -> Result<(), ParameterError> {
-    check_leakage_above(opening, open_resistance, 1e-4)
-}
-
-fn check_leakage_above(opening: f32, open_resistance: f32, least: f32) -> Result<(), ParameterError> {
+/// Refuses a leakage opening outside 1e-18 … 1.
+pub(super) fn check_leakage(opening: f32) -> Result<(), ParameterError> {
     ParameterError::unless_fraction("leakage_opening", opening)?;
-    let closed = open_resistance / (opening * opening);
-    // R·w² with w ≤ 1e3 kg/s.
-    if opening < least || !(closed * 1e6).is_finite() {
+    if opening < super::LEAST_LEAKAGE {
         return Err(ParameterError { parameter: "leakage_opening", reason: Reason::OutsideValidity });
     }
     Ok(())
+}
+
+/// Refuses a leakage opening of a quadratic loss whose closed resistance has no finite square.
+pub(super) fn check_closed(opening: f32, open_resistance: f32) -> Result<(), ParameterError> {
+    check_leakage(opening)?;
+    // R·w² with w ≤ 1e3 kg/s.
+    if (open_resistance / (opening * opening) * 1e6).is_finite() {
+        return Ok(());
+    }
+    Err(ParameterError { parameter: "leakage_opening", reason: Reason::OutsideValidity })
 }
 
 impl Element for Hatch {
@@ -52,12 +57,12 @@ impl Element for Hatch {
 
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = math::larger(at.inputs.first().copied().unwrap_or(1.0), self.leakage_opening);
-        Law::quadratic(self.open_resistance_pa_s2_kg2 / (opening * opening * at.density_ratio))
+        Law::closing(self.open_resistance_pa_s2_kg2 / (opening * opening) / at.density_ratio)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_positive("open_resistance_pa_s2_kg2", self.open_resistance_pa_s2_kg2)?;
-        check_leakage_above(self.leakage_opening, self.open_resistance_pa_s2_kg2, 1e-6)
+        check_closed(self.leakage_opening, self.open_resistance_pa_s2_kg2)
     }
 
     fn feed(&self, hash: &mut Fingerprint) {

@@ -21,7 +21,7 @@ use crate::{Fingerprint, math};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PressureRegulator {
-    /// Effective area `C_d·A` when fully open [m²]; 1e-8 … 1e4.
+    /// Effective area `C_d·A` when fully open [m²]; 1e-15 … 1e4.
     pub effective_area_m2: f32,
     /// Absolute pressure at the outlet at and above which it closes [Pa]; finite and > 0.
     pub set_point_pa: f32,
@@ -29,7 +29,7 @@ pub struct PressureRegulator {
     pub band_pa: f32,
     /// Lag τ of the actuator [s]; finite and > 0.
     pub lag_s: f32,
-    /// Opening that remains when closed [1]; 1e-4 … 1.
+    /// Opening that remains when closed [1]; 1e-18 … 1.
     pub leakage_opening: f32,
 }
 
@@ -80,8 +80,8 @@ impl Element for PressureRegulator {
 
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = math::larger(at.memory.first().copied().unwrap_or(1.0), self.leakage_opening);
-        Law::quadratic(isentropic::resistance_pa_s2_kg2(
-            self.effective_area_m2 * opening,
+        Law::closing(isentropic::resistance_pa_s2_kg2(
+            math::larger(self.effective_area_m2 * opening, orifice::SMALLEST_AREA_M2),
             at.inlet_pa,
             at.outlet_pa,
             at.temperature_k,
@@ -93,9 +93,7 @@ impl Element for PressureRegulator {
         ParameterError::unless_positive("band_pa", self.band_pa)?;
         ParameterError::unless_positive("lag_s", self.lag_s)?;
         orifice::check_area(self.effective_area_m2)?;
-        super::hatch::check_leakage(self.leakage_opening, 1.0)?;
-        // What leaks must have a square as well.
-        orifice::check_area(self.effective_area_m2 * self.leakage_opening)
+        super::hatch::check_leakage(self.leakage_opening)
     }
 
     fn feed(&self, hash: &mut Fingerprint) {
@@ -151,7 +149,7 @@ mod tests {
         assert_eq!(name(PressureRegulator { lag_s: 0.0, ..REGULATOR }), "lag_s");
         assert_eq!(name(PressureRegulator { set_point_pa: -1.0, ..REGULATOR }), "set_point_pa");
         assert_eq!(name(PressureRegulator { leakage_opening: 0.0, ..REGULATOR }), "leakage_opening");
-        assert_eq!(name(PressureRegulator { effective_area_m2: 1e-10, ..REGULATOR }), "effective_area_m2");
+        assert_eq!(name(PressureRegulator { effective_area_m2: 1e-16, ..REGULATOR }), "effective_area_m2");
         assert!(REGULATOR.check().is_ok());
     }
 }

@@ -7,8 +7,8 @@
 //! Source: the two pressures of any relief valve's data sheet; a pop action without travel time [assumed].
 
 use super::{Element, FAULT, InputSpec, Law, Operating, ParameterError, Reason, fault, isentropic, orifice};
-use crate::Fingerprint;
 use crate::control::ActuatorFault;
+use crate::{Fingerprint, math};
 
 /// Fixed data of one relief valve. Memory: 0 closed, 1 open.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +21,9 @@ pub struct ReliefValve {
     pub reseat_pa: f32,
     /// Resistance R when open [Pa·s²/kg²] at the line's reference density; finite and > 0, and 0 for one of an area.
     pub resistance_pa_s2_kg2: f32,
-    /// Effective area `C_d·A` when open [m²], 1e-12 … 1e4, of one with isentropic flow; 0 for one of a resistance.
+    /// Effective area `C_d·A` when open [m²], 1e-15 … 1e4, of one with isentropic flow; 0 for one of a resistance.
     pub effective_area_m2: f32,
-    /// Opening that remains when closed, C [1]; 1e-4 … 1.
+    /// Opening that remains when closed, C [1]; 1e-18 … 1.
     pub leakage_opening: f32,
 }
 
@@ -33,8 +33,8 @@ impl ReliefValve {
     }
 
     fn law_at(&self, at: &Operating<'_>, opening: f32) -> Law {
-        Law::quadratic(if self.is_isentropic() {
-            let area = self.effective_area_m2 * opening;
+        Law::closing(if self.is_isentropic() {
+            let area = math::larger(self.effective_area_m2 * opening, orifice::SMALLEST_AREA_M2);
             isentropic::resistance_pa_s2_kg2(area, at.inlet_pa, at.outlet_pa, at.temperature_k)
         } else {
             self.resistance_pa_s2_kg2 / (opening * opening) / at.density_ratio
@@ -98,13 +98,11 @@ impl Element for ReliefValve {
         }
         if self.is_isentropic() {
             orifice::check_area(self.effective_area_m2)?;
-            super::hatch::check_leakage(self.leakage_opening, 1.0)?;
-            // What leaks must have a square as well.
-            return orifice::check_area(self.effective_area_m2 * self.leakage_opening);
+            return super::hatch::check_leakage(self.leakage_opening);
         }
         ParameterError::unless_not_negative("effective_area_m2", self.effective_area_m2)?;
         ParameterError::unless_positive("resistance_pa_s2_kg2", self.resistance_pa_s2_kg2)?;
-        super::hatch::check_leakage(self.leakage_opening, self.resistance_pa_s2_kg2)
+        super::hatch::check_closed(self.leakage_opening, self.resistance_pa_s2_kg2)
     }
 
     fn feed(&self, hash: &mut Fingerprint) {

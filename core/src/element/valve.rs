@@ -3,7 +3,8 @@
 //! `p_in − p_out = R(C)·w·|w|`, `R(C) = k·C^(−n)`.
 //!
 //! Source: the valve of Qiu et al. 2017 with the reading of its two printed steady flows; k and n are fitted
-//! to a manufacturer's curve in any other use. A closed valve keeps a leakage opening: `k·0^(−n)` has no value.
+//! to a manufacturer's curve in any other use. A closed valve keeps a leakage opening, that of its seat's leak: `k·0^(−n)`
+//! has no value.
 
 use super::{Element, InputSpec, Law, Operating, ParameterError, Reason};
 use crate::{Fingerprint, math};
@@ -17,7 +18,7 @@ pub struct Valve {
     pub open_resistance_pa_s2_kg2: f32,
     /// Exponent n of the opening [1]; 0 … 6.
     pub exponent: f32,
-    /// Opening that remains when closed, `C_min` [1]; 1e-4 … 1.
+    /// Opening that remains when closed, `C_min` [1]; 1e-18 … 1.
     pub leakage_opening: f32,
 }
 
@@ -59,13 +60,13 @@ impl Element for Valve {
     #[allow(clippy::inline_always, reason = "like the resistance")]
     fn law(&self, at: &Operating<'_>) -> Law {
         let opening = at.inputs.first().copied().unwrap_or(1.0);
-        Law::quadratic(self.resistance_pa_s2_kg2(opening) / at.density_ratio)
+        Law::closing(self.resistance_pa_s2_kg2(opening) / at.density_ratio)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless_positive("open_resistance_pa_s2_kg2", self.open_resistance_pa_s2_kg2)?;
         ParameterError::unless_fraction("leakage_opening", self.leakage_opening)?;
-        if self.leakage_opening < 1e-4 {
+        if self.leakage_opening < super::LEAST_LEAKAGE {
             return Err(ParameterError { parameter: "leakage_opening", reason: Reason::OutsideValidity });
         }
         ParameterError::unless_not_negative("exponent", self.exponent)?;

@@ -35,9 +35,9 @@ pub enum ElementKind {
         open_resistance_pa_s2_kg2: f64,
         /// Exponent of the opening [1].
         exponent: f64,
-        /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        leakage_opening: Option<f64>,
+        /// What it lets through when closed.
+        #[serde(flatten)]
+        seat: Seat,
         /// Opening at the start [1]; 1 when absent.
         #[serde(skip_serializing_if = "Option::is_none")]
         opening: Option<f64>,
@@ -161,9 +161,9 @@ pub enum ElementKind {
         /// What it loses, or lets through, when open.
         #[serde(flatten)]
         passage: Passage,
-        /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        leakage_opening: Option<f64>,
+        /// What it lets through when closed.
+        #[serde(flatten)]
+        seat: Seat,
     },
     /// Holds the pressure at its outlet.
     PressureRegulator(Regulator),
@@ -172,9 +172,9 @@ pub enum ElementKind {
         /// Its loss when open.
         #[serde(flatten)]
         loss: Loss,
-        /// Part of the area that remains when closed [1]; [`crate::limits::HATCH_LEAKAGE`] when absent.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        leakage_opening: Option<f64>,
+        /// What it lets through when closed.
+        #[serde(flatten)]
+        seat: Seat,
         /// Opening at the start [1]; 1 when absent.
         #[serde(skip_serializing_if = "Option::is_none")]
         opening: Option<f64>,
@@ -190,6 +190,20 @@ pub struct Blockage {
     /// Free share of the area at the start [1]; 1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub opening: Option<f64>,
+}
+
+/// What a closed valve, regulator or hatch lets through; it is tight when nothing is given.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Seat {
+    /// Opening that remains when closed [1].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leakage_opening: Option<f64>,
+    /// Leak of the seat [kg/d], instead.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seat_leak_kg_d: Option<f64>,
+    /// Pressure difference at which it leaks so much [Pa].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seat_leak_pressure_pa: Option<f64>,
 }
 
 /// What an open relief valve is to its flow.
@@ -250,9 +264,9 @@ pub struct Regulator {
     pub band_pa: f64,
     /// Lag of the actuator [s].
     pub lag_s: f64,
-    /// Opening that remains when closed [1]; [`crate::limits::LEAKAGE_OPENING`] when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub leakage_opening: Option<f64>,
+    /// What it lets through when closed.
+    #[serde(flatten)]
+    pub seat: Seat,
 }
 
 /// A head curve, given in one of two ways.

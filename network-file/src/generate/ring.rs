@@ -4,7 +4,7 @@ use super::{MODULE_PA, SizeError, TEMPERATURE_K, element, id_of, line};
 use crate::document::air::{AirEntry, ContentsEntry};
 use crate::document::{
     Blockage, Curve, ElementKind, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run, SCHEMA,
-    ScheduleEntry,
+    ScheduleEntry, Seat,
 };
 use crate::limits;
 
@@ -42,7 +42,7 @@ pub fn ring(nodes: usize, gas: Gas) -> Result<NetworkFile, SizeError> {
             ElementKind::Valve {
                 open_resistance_pa_s2_kg2: 300.0,
                 exponent: 3.0,
-                leakage_opening: None,
+                seat: Seat::default(),
                 opening: None,
             }
         } else {

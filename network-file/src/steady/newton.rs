@@ -15,6 +15,8 @@ use crate::plan::PlanTables;
 const MOST: u32 = 400;
 /// Most trials of a step.
 const HALVINGS: u32 = 8;
+/// Rounds for which flows, laws and memories are looked at in turn at the start.
+const START_ROUNDS: u32 = 40;
 /// Pressure difference below which nothing is told apart [Pa].
 const SMALLEST_SPAN_PA: f64 = 1e-3;
 /// Residual at which there is nothing left to gain.
@@ -82,6 +84,29 @@ pub(super) fn solve<E: Element>(
             return problem.answer(point, iterations);
         }
     }
+}
+
+/// Flow that the start's pressures drive through every line, with every memory where it then stands.
+pub(super) fn at_start<E: Element>(network: &Network<'_, E>, inputs: &[f32], islands: &Islands) -> Vec<f64> {
+    let mut problem = Problem::new(network, inputs, islands);
+    let mut memories = Memories::new(network);
+    let gauge: Vec<f64> = network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
+    let mut flow = vec![0.0; network.lines.len()];
+    for _ in 0..START_ROUNDS {
+        let laws = problem.laws(&gauge, &flow);
+        for ((w, law), line) in flow.iter_mut().zip(laws).zip(network.lines) {
+            *w = law.driven(Problem::<E>::drop_pa(line, &gauge));
+        }
+        let at = |entry: &Responsive, line: &Line| {
+            let (here, w) = (problem.circumstances(entry, line, &gauge), flow[entry.line as usize]);
+            (w, response::ends(network, inputs, line, w, &here).0)
+        };
+        if !matches!(memories.agree(network, inputs, at), Ok(false)) {
+            break;
+        }
+        problem.memory.clone_from(&memories.values);
+    }
+    flow
 }
 
 impl<'n, E: Element> Problem<'n, E> {
