@@ -107,3 +107,56 @@ fn flows_follow_the_air_as_it_warms_and_moistens() {
         });
     }
 }
+
+/// A fan at its shut-off head against a colder room: one state of rest, whether it comes from below or from above, and
+/// the methods stand still there (without the inertance of a duct, in which it would ring for minutes). Its intake stands at the reference density, so that the rest is 1000 Pa above it.
+#[test]
+fn a_fan_at_its_shut_off_head_has_one_rest() {
+    let file = |method: &str, room_pa: f64| {
+        format!(
+            r#"
+schema = 1
+name = "deadhead"
+reference_pressure_pa = 101325.0
+[run]
+method = "{method}"
+step = "10ms"
+[[node]]
+id = "hall"
+kind = "boundary"
+pressure_pa = 101325.0
+temperature_k = 303.15
+[[node]]
+id = "room"
+kind = "cabin"
+volume_m3 = 1.0
+pressure_pa = {room_pa:?}
+temperature_k = 293.15
+[[line]]
+id = "duct"
+from = "hall"
+to = "room"
+density = "follows"
+[[line.element]]
+id = "fan"
+kind = "fan"
+shutoff_pa = 1000.0
+quadratic_pa_s2_kg2 = 4000.0
+"#
+        )
+    };
+    for method in ["adaptive", "implicit-euler", "tr-bdf2"] {
+        for room_pa in [101_325.0, 102_000.0, 102_340.0, 103_000.0] {
+            with_network(&file(method, room_pa), |loaded, simulator| {
+                for _ in 0..60_000 {
+                    assert_eq!(simulator.step(), Health::Trusted);
+                }
+                let (gauge, flow) = (simulator.node_gauge_pa(1), simulator.line_flow_kg_s(0));
+                assert!((gauge - 1_000.0).abs() < 0.1, "{method} from {room_pa} Pa: {gauge} Pa");
+                assert!(flow.abs() < 1e-5, "{method} from {room_pa} Pa: {flow} kg/s");
+                let rest = eclss_network_file::steady::steady(&loaded.network(), &loaded.inputs).unwrap();
+                assert!((rest.gauge_pa[1] - 1_000.0).abs() < 1e-3, "{rest:?}");
+            });
+        }
+    }
+}

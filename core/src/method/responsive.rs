@@ -4,7 +4,7 @@
 //! two volumes for the implicit methods. Pressures at the ends of an element inside follow from those of the reach by
 //! what the other elements lose at the reach's last flow: from the inlet for what lies ahead, from the outlet for what
 //! lies behind. Laws are stated twice: for forward flow with the density of the line's inlet node, for reversed flow
-//! with that of its outlet node. With a climate that density is the present one of the node's air: its *virtual
+//! with that of its outlet node, but for heads. With a climate that density is the present one of the node's air: its *virtual
 //! temperature*, at which dry air of the same pressure would be as dense, stands for temperature and composition.
 
 use core::cmp::Ordering;
@@ -256,6 +256,8 @@ impl<'a, 'n, E: Element> Reach<'a, 'n, E> {
         let at = Operating { inlet_pa, outlet_pa, memory, ..Operating::plain(inputs, flow) };
         let of = |(density_ratio, temperature_k): Gas| Operating { density_ratio, temperature_k, ..at };
         let [from, to] = self.gases;
-        [segment.element.law(&of(from)), segment.element.reverse_law(&of(to))]
+        let forward = segment.element.law(&of(from));
+        // A head is the intake's in both directions: another one for reversed flow would be a jump at rest.
+        [forward, Law { head: forward.head, ..segment.element.reverse_law(&of(to)) }]
     }
 }

@@ -130,11 +130,13 @@ fn laws_between<E: Element>(
 ) -> Vec<Law> {
     // A line at rest is about to flow where its pressures drive it.
     let forward = if w == 0.0 { here.nodes_pa[0] >= here.nodes_pa[1] } else { w > 0.0 };
-    let side = usize::from(!forward);
-    let temperature_k = here.temperatures_k[side];
     let reference = f64::from(here.entry.reference_density_kg_m3);
-    let density = here.nodes_pa[side] / (f64::from(air::GAS_CONSTANT_J_KG_K) * f64::from(temperature_k));
-    let density_ratio = if reference > 0.0 { f64::max(density / reference, SMALLEST_RATIO) } else { 1.0 };
+    let gas = |side: usize| {
+        let temperature_k = here.temperatures_k[side];
+        let density = here.nodes_pa[side] / (f64::from(air::GAS_CONSTANT_J_KG_K) * f64::from(temperature_k));
+        let ratio = if reference > 0.0 { f64::max(density / reference, SMALLEST_RATIO) } else { 1.0 };
+        (ratio as f32, temperature_k)
+    };
     let mut slot = here.entry.first_memory as usize;
     let segments = network.segments_of(line).iter().zip(ratios(network, line, w)).zip(ends);
     let law = |((segment, ratio), ends): ((&eclss_core::Segment<E>, f64), &[f64; 2])| {
@@ -142,15 +144,17 @@ fn laws_between<E: Element>(
         let memory = here.memory.get(slot..slot + slots).unwrap_or(&[]);
         slot += slots;
         let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-        let at = Operating {
-            density_ratio: density_ratio as f32,
+        let at = |(density_ratio, temperature_k)| Operating {
+            density_ratio,
             inlet_pa: ends[0] as f32,
             outlet_pa: ends[1] as f32,
             temperature_k,
             memory,
             ..Operating::plain(inputs, (ratio * w) as f32)
         };
-        if forward { segment.element.law(&at) } else { segment.element.reverse_law(&at) }
+        let ahead = segment.element.law(&at(gas(0)));
+        // A head is the intake's in both directions, as in the methods.
+        if forward { ahead } else { Law { head: ahead.head, ..segment.element.reverse_law(&at(gas(1))) } }
     };
     segments.map(law).collect()
 }
