@@ -70,6 +70,19 @@ impl Law {
     /// 1000 kg/s and 4·R·Δp at 60 MPa stay within single precision.
     pub const TIGHT_PA_S2_KG2: f32 = 1e30;
 
+    /// Linear resistance of a source of flow [Pa·s/kg]: 1 bar adds 1e-13 kg/s to what it carries.
+    pub const SOURCE_PA_S_KG: f32 = 1e18;
+
+    /// The law of a source of flow, whatever the pressures.
+    pub fn source(flow_kg_s: f32) -> Self {
+        Self { resistance: 0.0, linear: Self::SOURCE_PA_S_KG, head: Self::SOURCE_PA_S_KG * flow_kg_s }
+    }
+
+    /// Whether pressures have no say in the flow: that of a source, or none through a seat as tight as one.
+    pub fn is_source(&self) -> bool {
+        self.resistance <= 0.0 && self.linear >= Self::SOURCE_PA_S_KG
+    }
+
     /// A law with a quadratic loss that grows without end as an opening closes: held at [`Self::TIGHT_PA_S2_KG2`].
     pub fn closing(resistance: f32) -> Self {
         Self::quadratic(math::smaller(resistance, Self::TIGHT_PA_S2_KG2))

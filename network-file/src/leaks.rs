@@ -2,10 +2,8 @@
 
 use eclss_core::{Network, NodeKind, air};
 
-use crate::steady::flows_at_start;
+use crate::steady::{SPACE_PA, flows_at_start};
 
-/// Absolute pressure below which a boundary counts as space [Pa]: that of Mars is 600 … 900 Pa.
-const SPACE_PA: f64 = 1_000.0;
 /// Seconds of a day.
 const SECONDS_A_DAY: f64 = 86_400.0;
 

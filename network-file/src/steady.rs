@@ -9,7 +9,9 @@
 //!
 //! An *island* is what hangs together through lines. One with a boundary has its pressures from there. One
 //! without keeps its mass, so the level of its pressures follows from the mass at the start; if something in it
-//! is drained or supplied it never comes to rest: its flows do, while all its pressures fall at one rate r.
+//! is drained or supplied it never comes to rest: its flows do, while all its pressures fall at one rate r. Closed air is
+//! what no boundary holds but space, and nobody feeds: its rest is a vacuum, and that of a station that leaks 0.2 kg/d is of no
+//! use to anybody. Its masses are held, and the answer names them ([`Steady::held`]).
 //!
 //! Solved by Newton's method in flows and pressures together (the global gradient algorithm of Todini and
 //! Pilati, 1988), with the slope of a line's loss taken at the larger of its flow and the flow that the present
@@ -33,6 +35,9 @@ use eclss_core::{Network, NetworkError, NodeKind};
 use self::island::Islands;
 use crate::Names;
 
+/// Absolute pressure below which a boundary counts as space [Pa]: that of Mars is 600 … 900 Pa.
+pub(crate) const SPACE_PA: f64 = 1_000.0;
+
 /// Flows and pressures of a state of rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steady {
@@ -44,8 +49,22 @@ pub struct Steady {
     pub rate_pa_s: Vec<f64>,
     /// Newton iterations that it took.
     pub iterations: u32,
+    /// Closed air that loses gas to space, or by lines whose flow is given: its mass is held, and its pressures are those
+    /// of a network in which it stays.
+    pub held: Vec<Held>,
     /// What is left unbalanced, as part of the pressures and flows that could be there [1].
     pub residual: f64,
+}
+
+/// Nodes whose mass a steady state holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// The nodes.
+    pub nodes: Vec<u32>,
+    /// The lines through which they would go on losing or gaining mass.
+    pub lines: Vec<u32>,
+    /// Rate at which all their pressures would change [Pa/s].
+    pub rate_pa_s: f64,
 }
 
 /// Why there is no steady state; nodes and lines by their index.
@@ -105,9 +124,14 @@ pub enum SteadyError {
 /// Returns the state of rest of `network` with its inputs held at `inputs`, or why there is none.
 pub fn steady<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Steady, SteadyError> {
     let islands = islands(network, inputs)?;
-    let found = newton::solve(network, inputs, &islands)?;
+    let mut found = newton::solve(network, inputs, &islands)?;
     for island in &islands.closed {
         let rate_pa_s = found.rate_pa_s[island.pinned as usize];
+        let lines: Vec<u32> = [&island.leaks[..], &island.sources].concat();
+        if island.drains.is_empty() && !lines.is_empty() {
+            found.held.push(Held { nodes: island.nodes.clone(), lines, rate_pa_s });
+            continue;
+        }
         let balanced = island.drains.is_empty() && balance(&network.climate, inputs, &island.nodes).is_even();
         if rate_pa_s.abs() > 0.0 && !balanced {
             let (nodes, lines) = (island.nodes.clone(), island.drains.clone());
@@ -126,7 +150,8 @@ pub fn steady_flows<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Res
 
 /// Flow that the start's pressures drive through every line with the inputs held at `inputs` [kg/s].
 pub(crate) fn flows_at_start<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
-    Islands::find(network).map(|islands| newton::at_start(network, inputs, &islands)).unwrap_or_default()
+    let islands = Islands::find(network, &supplied_kg_s(network, inputs));
+    islands.map(|islands| newton::at_start(network, inputs, &islands)).unwrap_or_default()
 }
 
 fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islands, SteadyError> {
@@ -134,21 +159,26 @@ fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islan
     if inputs.len() < network.inputs.len() {
         return Err(SteadyError::Inputs { needed: network.inputs.len(), given: inputs.len() });
     }
-    Islands::find(network)
+    Islands::find(network, &supplied_kg_s(network, inputs))
 }
 
 /// Returns nodes that hang together without a volume or a boundary among them, if there are any: nothing fixes
 /// their pressure.
 pub(crate) fn floating<E: Element>(network: &Network<'_, E>) -> Option<Vec<u32>> {
-    match Islands::find(network) {
+    match Islands::find(network, &[]) {
         Err(SteadyError::Floating { nodes }) => Some(nodes),
         _ => None,
     }
 }
 
 /// Nodes of every island that no boundary holds.
-pub(crate) fn islands_without_boundary<E: Element>(network: &Network<'_, E>) -> Vec<Vec<u32>> {
-    let closed = Islands::find(network).map(|islands| islands.closed).unwrap_or_default();
+pub(crate) fn islands_without_boundary<E: Element>(
+    network: &Network<'_, E>,
+    inputs: &[f32],
+) -> Vec<Vec<u32>> {
+    let closed = Islands::find(network, &supplied_kg_s(network, inputs))
+        .map(|islands| islands.closed)
+        .unwrap_or_default();
     closed.into_iter().map(|island| island.nodes).collect()
 }
 
@@ -180,6 +210,17 @@ pub(crate) fn gas_kg_s(source: Source, inputs: &[f32]) -> f64 {
     let first = source.first_input as usize;
     let gases = first + 1..first + Source::INPUTS.len() - 1;
     inputs.get(gases).unwrap_or(&[]).iter().map(|value| f64::from(*value)).sum()
+}
+
+/// Gas that the sources of a network bring into every node at these inputs [kg/s].
+fn supplied_kg_s<E>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
+    let mut supplied = vec![0.0; network.nodes.len()];
+    for source in network.climate.sources {
+        if let Some(node) = supplied.get_mut(source.node as usize) {
+            *node += gas_kg_s(*source, inputs);
+        }
+    }
+    supplied
 }
 
 /// Capacity dm/dp of a node [kg/Pa]; 0 for a junction and, as it never matters, for a boundary.

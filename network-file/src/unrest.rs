@@ -90,7 +90,7 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
             drifts: matches!(error, SteadyError::Drained { .. }),
         });
     }
-    for nodes in islands_without_boundary(&network) {
+    for nodes in islands_without_boundary(&network, &loaded.inputs) {
         if balance(&network.climate, &loaded.inputs, &nodes).is_even() {
             continue;
         }

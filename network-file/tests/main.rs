@@ -23,6 +23,7 @@ mod signals;
 mod slowed_air;
 mod standing_heat;
 mod steady_air;
+mod steady_chains;
 mod supplied_air;
 mod support;
 mod volumes;

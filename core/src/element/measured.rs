@@ -23,11 +23,6 @@ pub struct Measured {
     pub slope_kg_s_pa: f32,
 }
 
-impl Measured {
-    /// L [Pa·s/kg].
-    const RESISTANCE: f32 = 1e18;
-}
-
 impl Element for Measured {
     fn input_spec(&self, index: usize) -> Option<InputSpec> {
         let (min, max) = (-self.largest_flow_kg_s, self.largest_flow_kg_s);
@@ -42,8 +37,7 @@ impl Element for Measured {
 
     #[inline]
     fn law(&self, at: &Operating<'_>) -> Law {
-        let flow_kg_s = at.inputs.first().copied().unwrap_or(0.0);
-        Law { resistance: 0.0, linear: Self::RESISTANCE, head: Self::RESISTANCE * flow_kg_s }
+        Law::source(at.inputs.first().copied().unwrap_or(0.0))
     }
 
     fn check(&self) -> Result<(), ParameterError> {

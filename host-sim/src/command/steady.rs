@@ -14,6 +14,8 @@ struct Report<'a> {
     network: &'a str,
     iterations: u32,
     residual: f64,
+    /// Closed air whose mass is held.
+    held: Vec<HeldReport<'a>>,
     nodes: Vec<NodeReport<'a>>,
     lines: Vec<LineReport<'a>>,
 }
@@ -31,6 +33,13 @@ struct LineReport<'a> {
     from: &'a str,
     to: &'a str,
     mass_flow_kg_s: f64,
+}
+
+#[derive(Serialize)]
+struct HeldReport<'a> {
+    nodes: Vec<&'a str>,
+    lines: Vec<&'a str>,
+    rate_pa_s: f64,
 }
 
 /// Solves and prints.
@@ -59,12 +68,21 @@ impl<'a> Report<'a> {
             pressure_pa: reference + gauge_pa,
             gauge_pa: *gauge_pa,
         };
+        let list = |names: &'a [String], indices: &[u32]| {
+            indices.iter().filter_map(|index| names.get(*index as usize)).map(String::as_str).collect()
+        };
+        let held = found.held.iter().map(|held| HeldReport {
+            nodes: list(&names.nodes, &held.nodes),
+            lines: list(&names.lines, &held.lines),
+            rate_pa_s: held.rate_pa_s,
+        });
         let name = |index: u32| names.nodes.get(index as usize).map_or("", String::as_str);
         let lines = names.lines.iter().zip(&loaded.lines).zip(&found.flow_kg_s);
         Self {
             network: &source.name,
             iterations: found.iterations,
             residual: found.residual,
+            held: held.collect(),
             nodes: names.nodes.iter().zip(&found.gauge_pa).map(node).collect(),
             lines: lines
                 .map(|((id, line), flow)| LineReport {
@@ -82,6 +100,15 @@ impl<'a> Report<'a> {
         let width = ids.map(str::len).max().unwrap_or(0);
         writeln!(out, "network     {}", self.network)?;
         writeln!(out, "iterations  {}, residual {:.1e}", self.iterations, self.residual)?;
+        for held in &self.held {
+            writeln!(
+                out,
+                "held        mass of {}; without it {:.3e} Pa/d through {}",
+                held.nodes.join(", "),
+                86_400.0 * held.rate_pa_s,
+                held.lines.join(", ")
+            )?;
+        }
         writeln!(out, "\n{:width$}  {:>14}  {:>12}", "node", "pressure [Pa]", "gauge [Pa]")?;
         for node in &self.nodes {
             writeln!(

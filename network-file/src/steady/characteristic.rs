@@ -31,6 +31,8 @@ pub(super) struct Characteristic {
     /// How much of a change of the inlet's and of the outlet's pressure drives the flow [1]: 1 where the law does not
     /// look at pressures itself, 0 for the outlet of a choked flow.
     pub(super) feels: [f64; 2],
+    /// Flow of a line in which pressures have no say [kg/s].
+    pub(super) source_kg_s: Option<f64>,
 }
 
 impl Characteristic {
@@ -71,6 +73,9 @@ impl Characteristic {
             sums.quadratic += f64::from(law.resistance) * ratio * ratio;
             sums.linear += f64::from(law.linear) * ratio;
             sums.head += f64::from(law.head);
+            if law.is_source() {
+                sums.source_kg_s = Some(f64::from(law.head) / f64::from(law.linear));
+            }
             ratio /= gain(segment);
         }
         sums.outlet = ratio;

@@ -8,7 +8,7 @@ use super::elimination::Matrix;
 use super::island::Islands;
 use super::memory::Memories;
 use super::response::{self, Circumstances};
-use super::{Steady, SteadyError, capacity, gas_kg_s};
+use super::{Steady, SteadyError, capacity};
 use crate::plan::PlanTables;
 
 /// Most Newton iterations.
@@ -200,7 +200,7 @@ impl<'n, E: Element> Problem<'n, E> {
             islands,
             tables,
             capacity,
-            supplied: supplied_kg_s(network, inputs),
+            supplied: super::supplied_kg_s(network, inputs),
             island,
             memory,
             span_pa: 0.0,
@@ -218,24 +218,31 @@ impl<'n, E: Element> Problem<'n, E> {
         let gauge: Vec<f64> = network.nodes.iter().map(|node| f64::from(node.start_gauge_pa)).collect();
         let laws = self.laws(&gauge, &vec![1e-3; network.lines.len()]);
         let (mut low, mut high) = (f64::MAX, f64::MIN);
-        for (node, &gauge) in network.nodes.iter().zip(&gauge) {
+        for ((node, &gauge), &apart) in network.nodes.iter().zip(&gauge).zip(&self.islands.apart) {
             // A leak to a vacuum without any supply drives by what is in the cabins.
-            if node.kind == NodeKind::Boundary || !network.responsive.is_empty() {
+            let drives = node.kind == NodeKind::Boundary || !network.responsive.is_empty();
+            if drives && !apart {
                 low = low.min(gauge);
                 high = high.max(gauge);
             }
         }
-        let heads = laws.iter().map(|law| law.head.abs()).fold(0.0, f64::max);
+        let sourced = || laws.iter().filter_map(|law| law.source_kg_s);
+        let own = || laws.iter().filter(|law| law.source_kg_s.is_none());
+        let heads = own().map(|law| law.head.abs()).fold(0.0, f64::max);
         self.span_pa = ((high - low).max(0.0) + heads).max(SMALLEST_SPAN_PA);
         // What sources bring may leave through any line, and builds up what pressure that takes.
-        let supplied: f64 = self.supplied.iter().map(|flow| flow.abs()).sum();
-        let losses = laws.iter().map(|law| law.loss(supplied).abs()).fold(0.0, f64::max);
+        let fed = self.supplied.iter().copied().chain(sourced());
+        let supplied: f64 = fed.map(f64::abs).sum();
+        let losses = own().map(|law| law.loss(supplied).abs()).fold(0.0, f64::max);
         self.built_pa = if supplied > 0.0 { losses.min(f64::from(Fault::GAUGE_LIMIT_PA)) } else { 0.0 };
-        self.line_kg_s = laws.iter().map(|law| law.driven(self.span_pa - law.head).max(supplied)).collect();
+        let driven = |law: &Characteristic| {
+            law.source_kg_s.unwrap_or_else(|| law.driven(self.span_pa - law.head).max(supplied))
+        };
+        self.line_kg_s = laws.iter().map(driven).collect();
         self.node_kg_s = vec![f64::MIN_POSITIVE; network.nodes.len()];
         for (line, flow) in network.lines.iter().zip(&self.line_kg_s) {
-            self.node_kg_s[line.from as usize] += flow;
-            self.node_kg_s[line.to as usize] += flow;
+            self.node_kg_s[line.from as usize] += flow.abs();
+            self.node_kg_s[line.to as usize] += flow.abs();
         }
     }
 
@@ -281,7 +288,11 @@ impl<'n, E: Element> Problem<'n, E> {
             let drop = Self::drop_pa(line, &gauge);
             // By what the line holds back, where sources have built up more than the span.
             let scale = self.span_pa.max(drop.abs().min(self.built_pa));
-            residual = worse(residual, (drop - law.loss(w)).abs() / scale);
+            let lack = match law.source_kg_s {
+                None => (drop - law.loss(w)).abs() / scale,
+                Some(flow) => (w - flow).abs() / flow.abs().max(f64::MIN_POSITIVE),
+            };
+            residual = worse(residual, lack);
             net[line.from as usize] -= law.inlet * w;
             net[line.to as usize] += law.outlet * w;
         }
@@ -337,7 +348,7 @@ impl<'n, E: Element> Problem<'n, E> {
         for (((line, law), &w), &[from_from, from_to, to_from, to_to]) in all {
             let drop = Self::drop_pa(line, &point.gauge);
             let b = 1.0 / law.slope(w.abs().max(law.driven(drop).abs()));
-            let ahead = w + b * (drop - law.loss(w));
+            let ahead = law.source_kg_s.unwrap_or_else(|| w + b * (drop - law.loss(w)));
             let [by_from, by_to] = law.feels.map(|feels| b * feels);
             matrix.add(from_from, law.inlet * by_from);
             matrix.add(from_to, -law.inlet * by_to);
@@ -381,7 +392,9 @@ impl<'n, E: Element> Problem<'n, E> {
     fn rates(&self, point: &Point, lines: &[([f64; 2], f64)], known: &[f64], storing: &[f64]) -> Vec<f64> {
         let rate_of = |closed: &super::island::Closed| {
             let is_supplied = closed.nodes.iter().any(|&node| self.supplied[node as usize].abs() > 0.0);
-            if closed.drains.is_empty() && !is_supplied {
+            let loses =
+                [&closed.drains, &closed.leaks, &closed.sources].iter().any(|lines| !lines.is_empty());
+            if !loses && !is_supplied {
                 return 0.0;
             }
             let pinned = closed.pinned;
@@ -413,7 +426,10 @@ impl<'n, E: Element> Problem<'n, E> {
     /// The line whose pressures are farthest from balance.
     fn worst_line(&self, point: &Point) -> (u32, f64) {
         let lines = self.network.lines.iter().zip(&point.laws).zip(&point.flow);
-        let lacks = lines.map(|((line, law), &w)| Self::drop_pa(line, &point.gauge) - law.loss(w));
+        let lack = |law: &Characteristic, drop: f64, w| {
+            if law.source_kg_s.is_some() { 0.0 } else { drop - law.loss(w) }
+        };
+        let lacks = lines.map(|((line, law), &w)| lack(law, Self::drop_pa(line, &point.gauge), w));
         (0u32..).zip(lacks).fold((0, 0.0), |worst: (u32, f64), (index, lack)| {
             if lack.abs() > worst.1.abs() || lack.is_nan() { (index, lack) } else { worst }
         })
@@ -447,19 +463,8 @@ impl<'n, E: Element> Problem<'n, E> {
             }
         }
         let Point { gauge: gauge_pa, flow: flow_kg_s, residual, .. } = point;
-        Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations, residual })
+        Ok(Steady { gauge_pa, flow_kg_s, rate_pa_s, held: Vec::new(), iterations, residual })
     }
-}
-
-/// Gas that the sources of a network bring into every node at these inputs [kg/s].
-fn supplied_kg_s<E>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
-    let mut supplied = vec![0.0; network.nodes.len()];
-    for source in network.climate.sources {
-        if let Some(node) = supplied.get_mut(source.node as usize) {
-            *node += gas_kg_s(*source, inputs);
-        }
-    }
-    supplied
 }
 
 /// The larger of two sizes; NaN where one is.
