@@ -207,7 +207,7 @@ mod tests {
         let lines = [Line { to: 1, segments: 2, flow_segment: 1, laminar_below_pa: 1.0, ..line }];
         let network = Network { nodes: &nodes, lines: &lines, segments: &segments, ..example::paper_loop() };
         let (gauge_pa, flow_kg_s, rate_pa_s) = (vec![0.0; 2], vec![0.0], vec![0.0; 2]);
-        let rest = Steady { gauge_pa, flow_kg_s, rate_pa_s, iterations: 0, residual: 0.0 };
+        let rest = Steady { gauge_pa, flow_kg_s, rate_pa_s, held: Vec::new(), iterations: 0, residual: 0.0 };
         time_constant_s(&network, &rest, Storage::Whole, f64::INFINITY)
     }
 
