@@ -83,6 +83,11 @@ impl Law {
         self.resistance <= 0.0 && self.linear >= Self::SOURCE_PA_S_KG
     }
 
+    /// Whether it is that of a closed seat, through which nothing passes that anybody would measure.
+    pub fn is_tight(&self) -> bool {
+        self.resistance >= 0.5 * Self::TIGHT_PA_S2_KG2
+    }
+
     /// A law with a quadratic loss that grows without end as an opening closes: held at [`Self::TIGHT_PA_S2_KG2`].
     pub fn closing(resistance: f32) -> Self {
         Self::quadratic(math::smaller(resistance, Self::TIGHT_PA_S2_KG2))

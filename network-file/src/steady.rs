@@ -150,7 +150,7 @@ pub fn steady_flows<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Res
 
 /// Flow that the start's pressures drive through every line with the inputs held at `inputs` [kg/s].
 pub(crate) fn flows_at_start<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
-    let islands = Islands::find(network, &supplied_kg_s(network, inputs));
+    let islands = Islands::find(network, inputs, &supplied_kg_s(network, inputs));
     islands.map(|islands| newton::at_start(network, inputs, &islands)).unwrap_or_default()
 }
 
@@ -159,13 +159,13 @@ fn islands<E: Element>(network: &Network<'_, E>, inputs: &[f32]) -> Result<Islan
     if inputs.len() < network.inputs.len() {
         return Err(SteadyError::Inputs { needed: network.inputs.len(), given: inputs.len() });
     }
-    Islands::find(network, &supplied_kg_s(network, inputs))
+    Islands::find(network, inputs, &supplied_kg_s(network, inputs))
 }
 
 /// Returns nodes that hang together without a volume or a boundary among them, if there are any: nothing fixes
 /// their pressure.
 pub(crate) fn floating<E: Element>(network: &Network<'_, E>) -> Option<Vec<u32>> {
-    match Islands::find(network, &[]) {
+    match Islands::find(network, network.inputs, &[]) {
         Err(SteadyError::Floating { nodes }) => Some(nodes),
         _ => None,
     }
@@ -176,7 +176,7 @@ pub(crate) fn islands_without_boundary<E: Element>(
     network: &Network<'_, E>,
     inputs: &[f32],
 ) -> Vec<Vec<u32>> {
-    let closed = Islands::find(network, &supplied_kg_s(network, inputs))
+    let closed = Islands::find(network, inputs, &supplied_kg_s(network, inputs))
         .map(|islands| islands.closed)
         .unwrap_or_default();
     closed.into_iter().map(|island| island.nodes).collect()

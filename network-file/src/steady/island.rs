@@ -36,12 +36,14 @@ fn is_space<E: Element>(network: &Network<'_, E>, node: u32) -> bool {
     })
 }
 
-/// Whether pressures have no say in the flow of a line.
-fn is_source<E: Element>(network: &Network<'_, E>, line: &Line) -> bool {
-    let at = Operating::plain(network.inputs, 0.0);
+/// Whether pressures have no say in the flow of a line: a source's, or none behind a closed valve.
+fn is_source<E: Element>(network: &Network<'_, E>, inputs: &[f32], line: &Line) -> bool {
     network.segments_of(line).iter().any(|segment| {
-        let inputs = network.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
-        segment.element.is_active() && segment.element.law(&Operating { inputs, ..at }).is_source()
+        let inputs = inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+        let law = || segment.element.law(&Operating::plain(inputs, 0.0));
+        // One that acts by itself may open.
+        let moves = segment.element.memory() > 0;
+        segment.element.is_active() && !moves && (law().is_source() || law().is_tight())
     })
 }
 
@@ -50,6 +52,7 @@ impl Islands {
     /// and nobody feeds it: `supplied_kg_s` is what comes into every node.
     pub(super) fn find<E: Element>(
         network: &Network<'_, E>,
+        inputs: &[f32],
         supplied_kg_s: &[f64],
     ) -> Result<Self, SteadyError> {
         let count = network.nodes.len();
@@ -59,7 +62,7 @@ impl Islands {
             root[from.max(to) as usize] = from.min(to);
         };
         let to_space = |line: &Line| is_space(network, line.from) != is_space(network, line.to);
-        let sources: Vec<bool> = network.lines.iter().map(|line| is_source(network, line)).collect();
+        let sources: Vec<bool> = network.lines.iter().map(|line| is_source(network, inputs, line)).collect();
         for (line, source) in network.lines.iter().zip(&sources) {
             if !source && !to_space(line) {
                 join(&mut root, line);
