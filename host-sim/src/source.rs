@@ -90,7 +90,10 @@ impl Source {
 
 /// Every problem as `file:line:column: reason` with the line it is about and what helps.
 fn explain(error: &FileError, text: &str) -> String {
-    let parts: Vec<_> = error.problems().iter().map(|problem| explain_one(problem, text)).collect();
+    let mut parts: Vec<_> = error.problems().iter().map(|problem| explain_one(problem, text)).collect();
+    if error.more() > 0 {
+        parts.push(format!("{}: and {} more problems", error.name(), error.more()));
+    }
     parts.join("\n")
 }
 

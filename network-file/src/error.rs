@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::notes::Notes;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 /// A file that was refused, with everything found wrong in it.
@@ -11,6 +12,8 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 pub struct FileError {
     name: String,
     problems: Vec<Problem>,
+    /// Problems that are not told.
+    more: usize,
 }
 
 /// One thing wrong in a file.
@@ -39,12 +42,15 @@ pub(crate) struct Finding {
 }
 
 impl FileError {
-    /// Ties findings to the text of the file; `findings` must not be empty.
-    pub(crate) fn new(name: &str, text: &str, mut findings: Vec<Finding>) -> Self {
+    /// Ties findings to the text of the file; there must be some.
+    pub(crate) fn new(name: &str, text: &str, notes: Notes) -> Self {
+        let Notes { mut findings, count, .. } = notes;
+        let more = count - findings.len();
         let source = Arc::new(NamedSource::new(name, text.to_owned()).with_language("toml"));
         findings.sort_by_key(|finding| finding.span.as_ref().map_or(0, |span| span.start));
-        let problems = findings.into_iter().map(|finding| Problem::new(name, text, &source, finding));
-        Self { name: name.to_owned(), problems: problems.collect() }
+        let ends: Vec<usize> = text.match_indices('\n').map(|(byte, _)| byte).collect();
+        let problems = findings.into_iter().map(|finding| Problem::new(name, text, &ends, &source, finding));
+        Self { name: name.to_owned(), problems: problems.collect(), more }
     }
 
     /// A file that could not be read at all.
@@ -59,7 +65,7 @@ impl FileError {
             source: None,
             name: name.to_owned(),
         };
-        Self { name: name.to_owned(), problems: vec![problem] }
+        Self { name: name.to_owned(), problems: vec![problem], more: 0 }
     }
 
     /// Name of the file as given.
@@ -67,26 +73,37 @@ impl FileError {
         &self.name
     }
 
-    /// Everything that was found, in file order; never empty.
+    /// How many problems beyond [`Self::problems`] there are.
+    pub fn more(&self) -> usize {
+        self.more
+    }
+
+    /// What was found, in file order, up to [`crate::limits::FINDINGS`]; never empty.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 }
 
 impl Problem {
-    fn new(name: &str, text: &str, source: &Arc<NamedSource<String>>, finding: Finding) -> Self {
+    /// `ends` are the places of all line ends in `text`.
+    fn new(
+        name: &str,
+        text: &str,
+        ends: &[usize],
+        source: &Arc<NamedSource<String>>,
+        finding: Finding,
+    ) -> Self {
         let Finding { reason, help, span } = finding;
-        let (line, column) = span.as_ref().map_or((0, 0), |span| position(text, span.start));
+        let (line, column) = span.as_ref().map_or((0, 0), |span| position(text, ends, span.start));
         Self { reason, help, span, line, column, source: Some(Arc::clone(source)), name: name.to_owned() }
     }
 }
 
 /// Line and column of a byte of `text`, counted from 1.
-fn position(text: &str, byte: usize) -> (usize, usize) {
-    let before = text.get(..byte).unwrap_or(text);
-    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    let line = before.bytes().filter(|&byte| byte == b'\n').count() + 1;
-    (line, before.get(start..).map_or(0, |rest| rest.chars().count()) + 1)
+fn position(text: &str, ends: &[usize], byte: usize) -> (usize, usize) {
+    let line = ends.partition_point(|&end| end < byte);
+    let start = line.checked_sub(1).map_or(0, |before| ends[before] + 1);
+    (line + 1, text.get(start..byte).map_or(0, |before| before.chars().count()) + 1)
 }
 
 impl fmt::Display for Problem {
@@ -103,7 +120,7 @@ impl fmt::Display for FileError {
         match self.problems.as_slice() {
             [] => write!(f, "{}: refused", self.name),
             [only] => write!(f, "{only}"),
-            [first, rest @ ..] => write!(f, "{first} (and {} more)", rest.len()),
+            [first, rest @ ..] => write!(f, "{first} (and {} more)", rest.len() + self.more),
         }
     }
 }

@@ -80,7 +80,7 @@ pub use unrest::{Places, Unrest, unrest};
 pub fn parse(text: &str, name: &str) -> Result<Loaded, FileError> {
     let mut notes = notes::Notes::default();
     let loaded = read::read(text, &mut notes).and_then(|file| lower::lower(file, &mut notes));
-    let Some(mut loaded) = loaded else { return Err(FileError::new(name, text, notes.findings)) };
+    let Some(mut loaded) = loaded else { return Err(FileError::new(name, text, notes)) };
     loaded.places = Places::new(&loaded, &notes, text);
     Ok(loaded)
 }
@@ -93,7 +93,7 @@ pub fn parse_bytes(bytes: &[u8], name: &str) -> Result<Loaded, FileError> {
             let mut notes = notes::Notes::default();
             let at = error.valid_up_to();
             notes.refuse(at..at + 1, "not UTF-8 text");
-            Err(FileError::new(name, &String::from_utf8_lossy(bytes), notes.findings))
+            Err(FileError::new(name, &String::from_utf8_lossy(bytes), notes))
         }
     }
 }

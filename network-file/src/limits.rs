@@ -8,6 +8,8 @@ use std::ops::RangeInclusive;
 
 /// Largest file [bytes].
 pub const FILE_BYTES: usize = 32 << 20;
+/// Most problems of a file that are told; of the others their number.
+pub const FINDINGS: usize = 100;
 /// Most nodes in a file.
 pub const NODES: usize = 16_384;
 /// Most lines in a file.

@@ -4,18 +4,21 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 
 use crate::error::Finding;
+use crate::limits;
 
 /// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
 #[derive(Debug, Default)]
 pub(crate) struct Notes {
     pub(crate) findings: Vec<Finding>,
+    /// All problems, of which the first [`limits::FINDINGS`] are kept.
+    pub(crate) count: usize,
     pub(crate) places: HashMap<String, Span<usize>>,
 }
 
 impl Notes {
     /// Records a problem at a span.
     pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
-        self.findings.push(Finding { reason: reason.into(), help: None, span: Some(span) });
+        self.add(span, || (reason.into(), None));
     }
 
     /// Records a problem with advice.
@@ -25,8 +28,15 @@ impl Notes {
         reason: impl Into<String>,
         help: impl Into<String>,
     ) {
-        let (reason, help) = (reason.into(), Some(help.into()));
-        self.findings.push(Finding { reason, help, span: Some(span) });
+        self.add(span, || (reason.into(), Some(help.into())));
+    }
+
+    fn add(&mut self, span: Span<usize>, words: impl FnOnce() -> (String, Option<String>)) {
+        self.count += 1;
+        if self.findings.len() < limits::FINDINGS {
+            let (reason, help) = words();
+            self.findings.push(Finding { reason, help, span: Some(span) });
+        }
     }
 
     /// Records a problem at the first of `keys` that stands in the table at `path`, else at the table.

@@ -153,14 +153,14 @@ fn read_node(node: &mut Table<'_, '_>) -> Option<NodeEntry> {
 
 /// Column and row of a node in drawings.
 fn read_position(node: &mut Table<'_, '_>) -> Option<(u32, u32)> {
-    let before = node.notes.findings.len();
+    let before = node.notes.count;
     let [column, row] = node.array("position")? else {
         node.refuse("position", "`position` is a pair of column and row, as in [2, 0]");
         return None;
     };
     let mut place = |value| number(node.notes, "position", value, &limits::POSITION).unwrap_or(0.0);
     let (column, row) = (place(column), place(row));
-    if node.notes.findings.len() == before && (column.fract().abs() > 0.0 || row.fract().abs() > 0.0) {
+    if node.notes.count == before && (column.fract().abs() > 0.0 || row.fract().abs() > 0.0) {
         node.refuse("position", "`position` counts whole columns and rows");
     }
     Some((column as u32, row as u32))
@@ -366,13 +366,13 @@ fn read_machine(element: &mut Table<'_, '_>) -> Machine {
 }
 
 fn read_schedule(schedule: &mut Table<'_, '_>) -> ScheduleEntry {
-    let before = schedule.notes.findings.len();
+    let before = schedule.notes.count;
     let entry = ScheduleEntry {
         input: schedule.need_text("input"),
         interpolation: schedule.word("interpolation", &["linear", "hold"]),
         points: read_points(schedule),
     };
-    if entry.points.is_empty() && schedule.notes.findings.len() == before {
+    if entry.points.is_empty() && schedule.notes.count == before {
         schedule.refuse("points", "a schedule needs `points`, as in [[0.0, 1.0], [10.0, 0.5]]");
     }
     entry

@@ -86,9 +86,9 @@ impl<'n, 't> Table<'n, 't> {
 
     /// An id: a small letter, then small letters, digits and underscores.
     pub(crate) fn need_id(&mut self, key: &'static str) -> String {
-        let before = self.notes.findings.len();
+        let before = self.notes.count;
         let id = self.need_text(key);
-        if self.notes.findings.len() == before && !is_id(&id) {
+        if self.notes.count == before && !is_id(&id) {
             let span = self.notes.place(&self.path, &[key]);
             let help =
                 format!("ids are like `fan_2`: a-z, then a-z, 0-9 and _, at most {ID_BYTES} characters");
@@ -191,14 +191,14 @@ impl<'n, 't> Table<'n, 't> {
         count: RangeInclusive<usize>,
         mut read: impl FnMut(&mut Table<'_, 't>) -> Option<T>,
     ) -> Vec<T> {
-        let before = self.notes.findings.len();
+        let before = self.notes.count;
         let array = self.array(key).unwrap_or_default();
         if array.len() > *count.end() {
             let (given, most) = (array.len(), count.end());
             self.refuse(key, format!("{given} tables `[[{key}]]`, at most {most} are allowed"));
             return Vec::new();
         }
-        if array.len() < *count.start() && self.notes.findings.len() == before {
+        if array.len() < *count.start() && self.notes.count == before {
             self.refuse(key, format!("there is no `[[{key}]]`"));
         }
         let mut list = Vec::with_capacity(array.len());

@@ -507,3 +507,20 @@ fn all_mistakes_of_a_file_are_told_at_once() {
     let lines: Vec<_> = refused(&text).problems().iter().map(|problem| problem.line).collect();
     assert_eq!(lines, [12, 18, 34, 38, 49]);
 }
+
+/// Small wrong files are told in time: the first problems, and how many more there are.
+#[test]
+fn problems_without_end_are_counted_and_not_all_told() {
+    use eclss_network_file::limits::FINDINGS;
+    let head = "schema = 1\nname = \"many\"\nreference_pressure_pa = 101325.0\n";
+    let unknown: String = (0..100_000).map(|index| format!("k{index} = 1\n")).collect();
+    let empty = "[[node]]\n".repeat(16_000);
+    for (text, least) in [(unknown, 100_000), (empty, 4 * 16_000)] {
+        let error = parse(&format!("{head}{text}"), "many.toml").expect_err("it is wrong");
+        assert_eq!(error.problems().len(), FINDINGS);
+        assert!(error.more() + FINDINGS >= least, "{} more", error.more());
+        // Each has its own place.
+        let lines: Vec<usize> = error.problems().iter().map(|problem| problem.line).collect();
+        assert!(lines.is_sorted() && lines[50] > 1, "{lines:?}");
+    }
+}

@@ -4,9 +4,11 @@
 //! piled up beside each row. What is placed cannot overlap; whether every wire finds a way is tried, with more room
 //! between things from try to try.
 
+use std::cell::Cell;
+
 use super::geometry::{At, GRID, Hang, Label, Rect, fit, text_width, up};
 use super::graph::{Graph, MOST_NODES};
-use super::place::{Cell, places};
+use super::place::{Cell as Place, places};
 use super::strip::{Facing, Shape, Strip, Style};
 
 /// Tries with more and more room.
@@ -16,6 +18,8 @@ const DRAWN: usize = 400;
 const MOST_LAYOUTS: usize = 24;
 /// Layouts that are tried again with more room, where none found all its ways.
 const AGAIN: usize = 3;
+/// Points that all searches for ways look at, at most: some seconds.
+const EFFORT: u64 = 20_000_000;
 /// Room around everything [px].
 const MARGIN: i32 = 2 * GRID;
 
@@ -57,6 +61,11 @@ pub enum DrawingError {
         /// Nodes of the network.
         nodes: usize,
     },
+    /// Finding ways takes too long.
+    TooCrowded {
+        /// Lines of the network.
+        lines: usize,
+    },
     /// No way was found for the wire of this line.
     NoWay {
         /// The line.
@@ -70,6 +79,9 @@ impl DrawingError {
         match self {
             Self::TooLarge { nodes } => {
                 format!("{nodes} nodes are too many for a drawing; up to {MOST_NODES} are laid out")
+            }
+            Self::TooCrowded { lines } => {
+                format!("{lines} lines between so few nodes are too crowded for a drawing")
             }
             Self::NoWay { line } => {
                 let id = graph.lines.get(*line).map_or("?", |line| line.id.as_str());
@@ -104,16 +116,20 @@ impl Drawing {
             })
             .collect();
         let mut failed = DrawingError::NoWay { line: 0 };
+        let effort = &Cell::new(EFFORT);
         for room in 0..TRIES {
             let mut best: Option<(i64, Self)> = None;
             let tried = if room == 0 { layouts.len() } else { AGAIN };
             for (cells, piles, shapes) in layouts.iter().take(tried) {
-                match (Sheet { graph, style, cells, piles, shapes, room }).draw() {
+                match (Sheet { graph, style, cells, piles, shapes, room, effort }).draw() {
                     Ok(drawing) => {
                         let strain = drawing.strain(shapes.iter().map(|shape| shape.facing));
                         if best.as_ref().is_none_or(|(least, _)| strain < *least) {
                             best = Some((strain, drawing));
                         }
+                    }
+                    Err(error @ DrawingError::TooCrowded { .. }) => {
+                        return best.map(|(_, drawing)| drawing).ok_or(error);
                     }
                     Err(error) => failed = error,
                 }
@@ -127,7 +143,7 @@ impl Drawing {
 }
 
 /// Chooses a pile and a shape for every line, short ways and low piles first.
-fn pile_up(graph: &Graph, cells: &[Cell], style: Style) -> (Vec<Pile>, Vec<Shape>) {
+fn pile_up(graph: &Graph, cells: &[Place], style: Style) -> (Vec<Pile>, Vec<Shape>) {
     let columns = cells.iter().map(|cell| cell.0).max().unwrap_or(0) + 1;
     let rows = cells.iter().map(|cell| cell.1).max().unwrap_or(0) + 1;
     let mut heights = vec![0; ((columns + 1) * rows) as usize];
@@ -149,8 +165,8 @@ fn pile_up(graph: &Graph, cells: &[Cell], style: Style) -> (Vec<Pile>, Vec<Shape
             let shape = Shape::new(entry, facing(from.0, to.0, pile.gap), style);
             let height = heights[(pile.gap * rows + pile.row) as usize];
             // A gap lies half a column left of its column.
-            let aside = |cell: Cell| (2 * (pile.gap - cell.0) - 1).abs() - 1;
-            let off = |cell: Cell| 3 * (pile.row - cell.1).abs();
+            let aside = |cell: Place| (2 * (pile.gap - cell.0) - 1).abs() - 1;
+            let off = |cell: Place| 3 * (pile.row - cell.1).abs();
             let margin = i32::from(columns > 1 && (pile.gap == 0 || pile.gap == columns));
             let way = aside(from) + aside(to) + off(from) + off(to);
             // Of two equal gaps the right one, so that a single loop lies right of its cabin.
@@ -180,11 +196,13 @@ fn facing(from: i32, to: i32, gap: i32) -> Facing {
 pub(super) struct Sheet<'g> {
     pub(super) graph: &'g Graph,
     style: Style,
-    cells: &'g [Cell],
+    cells: &'g [Place],
     piles: &'g [Pile],
     shapes: &'g [Shape],
     /// How much wider than usual the spaces between things are.
     room: i32,
+    /// Points that the searches of all tries may still look at.
+    pub(super) effort: &'g Cell<u64>,
 }
 
 impl Sheet<'_> {

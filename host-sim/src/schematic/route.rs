@@ -36,13 +36,15 @@ pub(super) struct Router {
     width: i32,
     height: i32,
     points: Vec<Point>,
+    /// Points that searches may still look at.
+    left: u64,
 }
 
 impl Router {
     /// A grid over a drawing of this size [px].
     pub(super) fn new(width: i32, height: i32) -> Self {
         let (width, height) = (width / GRID + 1, height / GRID + 1);
-        Self { width, height, points: vec![Point::default(); (width * height) as usize] }
+        Self { width, height, points: vec![Point::default(); (width * height) as usize], left: u64::MAX }
     }
 
     fn index(&self, x: i32, y: i32) -> Option<usize> {
@@ -76,7 +78,17 @@ impl Router {
         Some(corners(&path).into_iter().map(|(x, y)| At { x: x * GRID, y: y * GRID }).collect())
     }
 
-    fn search(&self, start: (i32, i32), out: usize, target: Rect) -> Option<Vec<(i32, i32)>> {
+    /// Lets the searches look at so many points.
+    pub(super) fn grant(&mut self, points: u64) {
+        self.left = points;
+    }
+
+    /// Points that searches may still look at; 0 where one had to give up.
+    pub(super) fn left(&self) -> u64 {
+        self.left
+    }
+
+    fn search(&mut self, start: (i32, i32), out: usize, target: Rect) -> Option<Vec<(i32, i32)>> {
         let (left, top) = (target.x / GRID, target.y / GRID);
         let (right, bottom) = (target.right() / GRID, target.bottom() / GRID);
         let guess = |x: i32, y: i32| {
@@ -90,6 +102,7 @@ impl Router {
         cost[first] = 0;
         queue.push(Reverse((guess(start.0, start.1), first)));
         while let Some(Reverse((_, state))) = queue.pop() {
+            self.left = self.left.checked_sub(1)?;
             let (place, direction) = (state / 4, state % 4);
             let (x, y) = (place as i32 % self.width, place as i32 / self.width);
             let on_edge = ((x == left || x == right) && top < y && y < bottom)

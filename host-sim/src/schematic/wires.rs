@@ -36,12 +36,17 @@ impl Sheet<'_> {
         let mut failed = 0;
         for _ in 0..ORDERS {
             let mut router = empty.clone();
+            router.grant(self.effort.get());
             let mut found = vec![Vec::new(); strips.len()];
             let missing = order.iter().copied().find(|line| {
                 let way = self.wire(&mut router, *line, nodes, &strips[*line]);
                 way.map(|way| found[*line] = way).is_none()
             });
+            self.effort.set(router.left());
             let Some(line) = missing else { return Ok(found) };
+            if router.left() == 0 {
+                return Err(DrawingError::TooCrowded { lines: strips.len() });
+            }
             // Whoever found no way goes first.
             failed = line;
             order.retain(|other| *other != line);
