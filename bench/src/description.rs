@@ -1,9 +1,9 @@
 //! The networks that are measured, as tables.
 
-use eclss_core::element::{Fan, HeadCurve, HeatExchanger, Pipe, Valve};
+use eclss_core::components::{Fan, HeadCurve, HeatExchanger, Pipe, Valve};
 use eclss_core::{
-    Active, Element, Interpolation, Line, Network, Node, NodeKind, Schedule, SchedulePoint, Segment,
-    StdElement, example,
+    Active, AnyComponent, Element, Interpolation, Line, Network, Node, NodeKind, Schedule, SchedulePoint,
+    Segment, example,
 };
 use eclss_network_file::PlanTables;
 
@@ -44,7 +44,7 @@ impl Description {
         let (from, to) = (made.node(None, DRIVE_PA), made.node(None, 0.0));
         let pipes = equations - 1;
         let mut elements = vec![pipe(PIPES / pipes as f32); pipes];
-        elements.push(StdElement::Valve(VALVE));
+        elements.push(VALVE.into_any());
         made.line((from, to), &elements, (DRIVE_PA / (PIPES + VALVE.open_resistance_pa_s2_kg2)).sqrt());
         made.close_valve(CLOSING_US, REMAINS_OPEN);
         made.planned()
@@ -62,7 +62,7 @@ impl Description {
             before = node;
         }
         let out = made.node(None, 0.0);
-        made.line((before, out), &[StdElement::Valve(VALVE)], 0.1);
+        made.line((before, out), &[VALVE.into_any()], 0.1);
         made.planned()
     }
 
@@ -86,7 +86,7 @@ impl Description {
                 made.line((at(row, column), at(row + 1, column)), &[pipe(80.0)], 0.1);
             }
         }
-        made.line((at(side - 1, side - 1), outlet), &[StdElement::Valve(VALVE)], 0.1);
+        made.line((at(side - 1, side - 1), outlet), &[VALVE.into_any()], 0.1);
         made.planned()
     }
 
@@ -102,11 +102,11 @@ impl Description {
         };
         let elements = [
             pipe(805.874),
-            StdElement::Fan(Fan { curve }),
+            Fan::new(curve).into_any(),
             pipe(5_337.527),
-            StdElement::HeatExchanger(exchanger),
+            exchanger.into_any(),
             pipe(4_577.822),
-            StdElement::Valve(VALVE),
+            VALVE.into_any(),
         ];
         made.line((cabin, cabin), &elements, 1e-3);
         made.close_valve([10_000_000, 11_000_000], 0.02);
@@ -135,7 +135,7 @@ impl Description {
     }
 
     /// Adds a line with its flow state on the last element.
-    fn line(&mut self, (from, to): (u32, u32), elements: &[StdElement], start_flow_kg_s: f32) {
+    fn line(&mut self, (from, to): (u32, u32), elements: &[AnyComponent], start_flow_kg_s: f32) {
         let line = self.lines.len() as u32;
         let segments = elements.len() as u32;
         self.lines.push(Line {
@@ -177,8 +177,8 @@ impl Description {
     }
 }
 
-fn pipe(resistance_pa_s2_kg2: f32) -> StdElement {
-    StdElement::Pipe(Pipe { resistance_pa_s2_kg2 })
+fn pipe(resistance_pa_s2_kg2: f32) -> AnyComponent {
+    Pipe::new(resistance_pa_s2_kg2).into_any()
 }
 
 #[cfg(test)]

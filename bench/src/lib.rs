@@ -33,7 +33,7 @@ pub use runner::Runner;
 pub use scale::{SCALE_SIZES, ScaleRow, exponent, mesh_cost, scale_costs};
 
 /// Why a cost could not be measured.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Failure {
     /// The core refused the network that was to be measured.
     Build(BuildError),

@@ -8,7 +8,7 @@
 #[path = "../tests/support/effectiveness.rs"]
 mod effectiveness;
 
-use eclss_core::climate::condenser::Condenser;
+use eclss_core::components::coil::Condenser;
 use effectiveness::{AT_67_F, AT_75_F, AtRest, Inlet, at_rest, errors, largest_and_mean};
 
 /// ln `U_a`, m, ln `U_c`.

@@ -7,38 +7,30 @@
 //! Like the rest of a network this is constant data, with a flat state and a step of fixed operations. A network
 //! without volumes here has no climate and costs nothing.
 
-mod books;
 mod buffers;
-mod coils;
-pub mod condenser;
-pub mod crew;
 mod density;
-pub mod exchanger;
 mod lines;
-pub mod medium;
 pub mod monitor;
 mod observe;
-pub mod parts;
 pub mod regulation;
 mod step;
-pub mod stream;
 mod supply;
 pub mod volume;
 
 pub(crate) use buffers::{Running, sizes};
-pub use crew::Crew;
 pub(crate) use density::virtual_k;
-pub use exchanger::{Exchanger, ExchangerReadings};
 pub use observe::{Ledger, Readings};
 pub(crate) use observe::{Observed, VolumeView};
-pub use parts::{Passage, Remover, Source, Station, Wall};
 pub use regulation::ControlLoop;
 pub(crate) use step::{Given, Stepped, control, start, step, supply};
 pub(crate) use supply::Supplied;
 pub use volume::{Contents, Volume};
 
-use self::medium::{Medium, PARTS};
-use crate::element::{Element, InputSpec, ParameterError, Reason};
+use crate::component::Element;
+use crate::component::{AnyComponent, Passage, Placed, StepContext, Table};
+use crate::fluid::medium::{Medium, dot};
+use crate::parameter::{Carries, Place, StepBound};
+use crate::parameter::{InputSpec, ParameterError};
 use crate::{Fingerprint, Network, Node, NodeKind};
 
 /// The description of everything beside the flows, borrowed.
@@ -52,24 +44,18 @@ pub struct Climate<'a> {
     pub coolant: Medium,
     /// One volume per node; none for a network of flows only.
     pub volumes: &'a [Volume],
-    /// What streams meet on their way, in the order of the segments.
-    pub stations: &'a [Station],
-    /// Condensing heat exchangers.
-    pub exchangers: &'a [Exchanger],
-    /// Heat and mass sources.
-    pub sources: &'a [Source],
-    /// Groups of people.
-    pub crews: &'a [Crew],
-    /// Idealised removal.
-    pub removers: &'a [Remover],
-    /// Walls.
-    pub walls: &'a [Wall],
+    /// Placed components, those of one kind side by side.
+    pub components: &'a [Placed],
+    /// Their kinds.
+    pub tables: &'a [Table],
+    /// Passages of streams through components, in the order of the segments.
+    pub passages: &'a [Passage],
     /// Control loops, in the order in which they act.
     pub loops: &'a [ControlLoop],
 }
 
 /// Why a climate was refused, with the index of the thing at fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ClimateError {
     /// There is not one volume per node.
@@ -86,22 +72,21 @@ pub enum ClimateError {
     InnerVolume(u32),
     /// A segment takes out a fixed share of its flow; with a climate condensers and removers do that.
     Removal(u32),
-    /// A station names what does not exist, is out of order, or stands in the wrong medium.
-    Station(u32),
-    /// A parameter of an exchanger.
-    Exchanger(u32, ParameterError),
-    /// An exchanger has no air side or more than one, no coolant or two, or no volume behind it.
-    ExchangerSides(u32),
-    /// A source names no volume of air.
-    Source(u32),
-    /// A crew names no volume of air.
-    Crew(u32),
-    /// A remover names no volume of air or no part of it.
-    Remover(u32),
-    /// A parameter of a wall.
-    Wall(u32, ParameterError),
-    /// A wall names no volume.
-    WallNode(u32),
+    /// A table of components does not follow the one before.
+    Table(u32),
+    /// A parameter of a placed component.
+    Component(u32, ParameterError),
+    /// A parameter of a placed component does not allow the step.
+    ComponentStep(u32, StepBound),
+    /// A placed component names no volume, one with the wrong contents, or a boundary.
+    ComponentNode(u32),
+    /// The walls of a placed component's volume conduct more within a step than the volume holds; the conductance that
+    /// all of them may have [W/K].
+    Conductance(u32, f32),
+    /// A passage names a component that does not exist, is out of order, or leads through the wrong medium.
+    Passage(u32),
+    /// A placed component lacks the stream of its own side, or has two streams on one side.
+    Sides(u32),
     /// A parameter of a control loop.
     Loop(u32, ParameterError),
     /// A control loop measures or drives what does not exist, or what something else drives.
@@ -117,12 +102,9 @@ impl Climate<'_> {
         air: Medium::NONE,
         coolant: Medium::NONE,
         volumes: &[],
-        stations: &[],
-        exchangers: &[],
-        sources: &[],
-        crews: &[],
-        removers: &[],
-        walls: &[],
+        components: &[],
+        tables: &[],
+        passages: &[],
         loops: &[],
     };
 
@@ -153,27 +135,61 @@ impl Climate<'_> {
         self.loops.iter().any(|control| control.drives as usize == slot || control.opposite as usize == slot)
     }
 
+    /// Placed components with their tables.
+    fn placed(&self) -> impl Iterator<Item = (u32, &Table, &Placed)> {
+        self.tables.iter().flat_map(|table| {
+            let first = table.range.first;
+            (first..).zip(self.placed_of(table)).map(move |(index, placed)| (index, table, placed))
+        })
+    }
+
+    /// Components of a table.
+    pub(crate) fn placed_of(&self, table: &Table) -> &[Placed] {
+        let first = table.range.first as usize;
+        self.components.get(first..first + table.range.count as usize).unwrap_or(&[])
+    }
+
+    /// Returns placed component `index` with its table.
+    pub fn component(&self, index: u32) -> Option<(&Table, &Placed)> {
+        let table = self.tables.iter().find(|table| {
+            index.checked_sub(table.range.first).is_some_and(|place| place < table.range.count)
+        })?;
+        Some((table, self.components.get(index as usize)?))
+    }
+
+    /// Returns the components of kind `C` with their places, as their own type.
+    pub fn components_of<C: crate::Component>(&self) -> impl Iterator<Item = (C, &Placed)> {
+        let own = self.tables.iter().filter(|table| table.is::<C>());
+        own.flat_map(|table| self.placed_of(table).iter().map(|placed| (C::from_row(&placed.row), placed)))
+    }
+
+    /// Gas that the components of a network bring into volumes at these inputs [kg/s], with the place of each.
+    pub fn gas_sources<'i>(&'i self, inputs: &'i [f32]) -> impl Iterator<Item = (u32, u32, f32)> + 'i {
+        self.placed().map(move |(index, table, placed)| {
+            let own = inputs.get(placed.first_input as usize..).unwrap_or(&[]);
+            (index, placed.node, table.kind().gas_kg_s(&placed.row, own))
+        })
+    }
+
+    /// Quantities that are the same for all components in a step.
+    pub(crate) fn context<'s>(&'s self, step_s: f32, inputs: &'s [f32]) -> StepContext<'s> {
+        StepContext { step_s, reference_k: self.reference_k, air: &self.air, coolant: &self.coolant, inputs }
+    }
+
     /// Name, unit and range of input `slot`, where it is the climate's.
     pub fn spec_of(&self, slot: usize) -> Option<InputSpec> {
-        let of = |first: u32, specs: &[InputSpec]| {
-            slot.checked_sub(first as usize).and_then(|index| specs.get(index)).copied()
-        };
-        let heater = |station: &Station| match station.passage {
-            Passage::Heater { power_input } => of(power_input, &[parts::HEATER_INPUT]),
-            Passage::Machine { .. }
-            | Passage::Condenser(_)
-            | Passage::CoolantSide(_)
-            | Passage::LiquidSide(_) => None,
-        };
-        let mut found = self.stations.iter().find_map(heater);
-        found = found
-            .or_else(|| self.exchangers.iter().find_map(|part| of(part.first_input, &Exchanger::INPUTS)));
-        found = found.or_else(|| self.sources.iter().find_map(|part| of(part.first_input, &Source::INPUTS)));
-        found = found.or_else(|| self.crews.iter().find_map(|part| of(part.first_input, &Crew::INPUTS)));
-        found =
-            found.or_else(|| self.removers.iter().find_map(|part| of(part.first_input, &Remover::INPUTS)));
-        found = found.or_else(|| self.walls.iter().find_map(|part| of(part.first_input, &Wall::INPUTS)));
-        found.or_else(|| self.loops.iter().find_map(|part| of(part.first_input, &ControlLoop::INPUTS)))
+        let slot = slot as u32;
+        let mut found = self.placed().find_map(|(_, table, placed)| {
+            let index = slot.checked_sub(placed.first_input)?;
+            table.component(placed).input_spec(index as usize)
+        });
+        found = found.or_else(|| {
+            self.loops.iter().find_map(|control| {
+                let index = slot.checked_sub(control.first_input)?;
+                ControlLoop::INPUTS.get(index as usize).copied()
+            })
+        });
+        found
     }
 
     /// Finds the first thing wrong with the climate of a network whose own check passed, for a step of `step_us` [µs].
@@ -220,93 +236,102 @@ impl Climate<'_> {
                 }
             }
         }
-        self.check_stations(network)?;
-        self.check_parts(network, step_s)?;
+        self.check_components(network, step_s)?;
+        self.check_passages(network)?;
         self.check_loops(network)
     }
 
-    fn check_stations<E: Element>(&self, network: &Network<'_, E>) -> Result<(), ClimateError> {
-        let mut last = 0;
-        for (index, station) in (0u32..).zip(self.stations) {
-            let line = network.lines.get(station.line as usize);
-            let inside = line.is_some_and(|line| {
-                let air = self.holds(line.from, Contents::Air);
-                let medium = match station.passage {
-                    Passage::Condenser(of) => air && (of as usize) < self.exchangers.len(),
-                    Passage::CoolantSide(of) | Passage::LiquidSide(of) => {
-                        !air && (of as usize) < self.exchangers.len()
-                    }
-                    Passage::Machine { .. } | Passage::Heater { .. } => true,
-                };
-                medium && (line.first_segment..line.first_segment + line.segments).contains(&station.segment)
-            });
-            if !inside || station.segment < last {
-                return Err(ClimateError::Station(index));
+    fn carries(&self, node: u32, carries: Carries) -> bool {
+        match carries {
+            Carries::Any => (node as usize) < self.volumes.len(),
+            Carries::Air => self.holds(node, Contents::Air),
+            Carries::Coolant => self.holds(node, Contents::Coolant),
+        }
+    }
+
+    fn check_components<E: Element>(
+        &self,
+        network: &Network<'_, E>,
+        step_s: f32,
+    ) -> Result<(), ClimateError> {
+        let mut expected = crate::component::Range::default();
+        for (index, table) in (0u32..).zip(self.tables) {
+            let range = crate::component::Range { count: table.range.count, ..expected };
+            if table.range != range || self.placed_of(table).len() != range.count as usize {
+                return Err(ClimateError::Table(index));
             }
-            match station.passage {
-                Passage::Machine { power_w, speed_input } => {
-                    let power = ParameterError::unless_not_negative("power_w", power_w);
-                    if power.is_err() || speed_input as usize >= network.inputs.len() {
-                        return Err(ClimateError::Station(index));
-                    }
+            expected = table.behind(0);
+        }
+        if expected.first as usize != self.components.len() {
+            return Err(ClimateError::Table(self.tables.len() as u32));
+        }
+        for (index, table, placed) in self.placed() {
+            let component = table.component(placed);
+            component.check().map_err(|error| ClimateError::Component(index, error))?;
+            let kind = table.kind();
+            kind.check_step(&placed.row, step_s)
+                .map_err(|bound| ClimateError::ComponentStep(index, bound))?;
+            let held = network.nodes.get(placed.node as usize).map(|node| node.kind == NodeKind::Boundary);
+            let fits = match (kind.place(), kind.sides()) {
+                (Place::Node { holds, boundary }, _) => {
+                    self.carries(placed.node, holds) && (boundary || held == Some(false))
                 }
-                Passage::Heater { power_input } => {
-                    check_inputs(network, power_input, &[parts::HEATER_INPUT])?;
-                }
-                Passage::Condenser(_) | Passage::CoolantSide(_) | Passage::LiquidSide(_) => {}
+                (Place::Line, [own, ..]) => self.carries(placed.node, *own),
+                (Place::Line, []) => false,
+            };
+            if !fits {
+                return Err(ClimateError::ComponentNode(index));
             }
-            last = station.segment;
+            self.check_conductance(index, placed, held == Some(true), step_s)?;
+            check_inputs(network, placed.first_input, &component)?;
         }
         Ok(())
     }
 
-    fn check_parts<E: Element>(&self, network: &Network<'_, E>, step_s: f32) -> Result<(), ClimateError> {
-        for (index, exchanger) in (0u32..).zip(self.exchangers) {
-            exchanger.check(step_s).map_err(|error| ClimateError::Exchanger(index, error))?;
-            let count = |passage| self.stations.iter().filter(|station| station.passage == passage).count();
-            // Air or liquid on the one side, coolant on the other; behind it what it carries.
-            let liquid = count(Passage::LiquidSide(index));
-            let first = (count(Passage::Condenser(index)), liquid);
-            let behind = if liquid > 0 { Contents::Coolant } else { Contents::Air };
-            let fits = matches!(first, (1, 0) | (0, 1))
-                && count(Passage::CoolantSide(index)) == usize::from(!exchanger.own_coolant);
-            if !(fits && self.holds(exchanger.outlet_node, behind)) {
-                return Err(ClimateError::ExchangerSides(index));
+    /// Within one step a volume must not pass the temperature of its walls.
+    fn check_conductance(
+        &self,
+        index: u32,
+        placed: &Placed,
+        held: bool,
+        step_s: f32,
+    ) -> Result<(), ClimateError> {
+        let own = self.placed().filter(|(_, _, other)| other.node == placed.node);
+        let conductance: f32 = own.map(|(_, table, other)| table.kind().conductance_w_k(&other.row)).sum();
+        let Some(volume) = self.volumes.get(placed.node as usize).filter(|_| !held && conductance > 0.0)
+        else {
+            return Ok(());
+        };
+        let heats = &volume.medium(&self.air, &self.coolant).resting_j_kg_k;
+        let most = volume.start_kg * dot(&volume.fractions, heats) / step_s;
+        if conductance > most { Err(ClimateError::Conductance(index, most)) } else { Ok(()) }
+    }
+
+    fn check_passages<E: Element>(&self, network: &Network<'_, E>) -> Result<(), ClimateError> {
+        let mut last = 0;
+        for (index, passage) in (0u32..).zip(self.passages) {
+            let line = network.lines.get(passage.line as usize);
+            let table = self.tables.get(passage.table as usize);
+            let fits = line.zip(table).is_some_and(|(line, table)| {
+                let place = passage.component.wrapping_sub(table.range.first);
+                let side = table.kind().sides().get(usize::from(passage.side));
+                place < table.range.count
+                    && side.is_some_and(|carries| self.carries(line.from, *carries))
+                    && (line.first_segment..line.first_segment + line.segments).contains(&passage.segment)
+            });
+            if !fits || passage.segment < last {
+                return Err(ClimateError::Passage(index));
             }
-            check_inputs(network, exchanger.first_input, &Exchanger::INPUTS)?;
+            last = passage.segment;
         }
-        for (index, source) in (0u32..).zip(self.sources) {
-            if !self.holds(source.node, Contents::Air) {
-                return Err(ClimateError::Source(index));
+        for (index, table, placed) in self.placed() {
+            let streams = |side: u8| {
+                self.passages.iter().filter(|other| other.component == index && other.side == side).count()
+            };
+            let own = usize::from(!table.kind().sides().is_empty());
+            if streams(0) != own || streams(1) != usize::from(placed.linked) {
+                return Err(ClimateError::Sides(index));
             }
-            check_inputs(network, source.first_input, &Source::INPUTS)?;
-        }
-        for (index, crew) in (0u32..).zip(self.crews) {
-            if !self.holds(crew.node, Contents::Air) {
-                return Err(ClimateError::Crew(index));
-            }
-            check_inputs(network, crew.first_input, &Crew::INPUTS)?;
-        }
-        for (index, remover) in (0u32..).zip(self.removers) {
-            if !self.holds(remover.node, Contents::Air) || remover.part as usize >= PARTS - 1 {
-                return Err(ClimateError::Remover(index));
-            }
-            check_inputs(network, remover.first_input, &Remover::INPUTS)?;
-        }
-        for (index, wall) in (0u32..).zip(self.walls) {
-            wall.check(step_s).map_err(|error| ClimateError::Wall(index, error))?;
-            let volume = self.volumes.get(wall.node as usize).ok_or(ClimateError::WallNode(index))?;
-            // Within one step a volume must not pass the temperature of its walls either.
-            let walls = self.walls.iter().filter(|other| other.node == wall.node);
-            let conductance: f32 = walls.map(|wall| wall.inner_w_k).sum();
-            let heats = &volume.medium(&self.air, &self.coolant).resting_j_kg_k;
-            let held =
-                network.nodes.get(wall.node as usize).is_some_and(|node| node.kind == NodeKind::Boundary);
-            if !held && volume.start_kg * medium::dot(&volume.fractions, heats) < step_s * conductance {
-                let (parameter, reason) = ("inner_w_k", Reason::OutsideValidity);
-                return Err(ClimateError::Wall(index, ParameterError { parameter, reason }));
-            }
-            check_inputs(network, wall.first_input, &Wall::INPUTS)?;
         }
         Ok(())
     }
@@ -333,7 +358,9 @@ impl Climate<'_> {
             if !(measures && driven(control.drives) && opposite) {
                 return Err(ClimateError::LoopTarget(index));
             }
-            check_inputs(network, control.first_input, &ControlLoop::INPUTS)?;
+            for (slot, spec) in (control.first_input..).zip(ControlLoop::INPUTS) {
+                check_input(network, slot, spec)?;
+            }
         }
         Ok(())
     }
@@ -353,30 +380,35 @@ impl Climate<'_> {
             hash.value(medium.expansion_1_k);
         }
         self.volumes.iter().for_each(|volume| volume.feed(hash));
-        self.stations.iter().for_each(|station| station.feed(hash));
-        self.exchangers.iter().for_each(|exchanger| exchanger.feed(hash));
-        for source in self.sources {
-            hash.word(source.node);
-            hash.word(source.first_input);
+        for (_, table, placed) in self.placed() {
+            table.component(placed).hash_into(hash);
+            for word in [placed.node, placed.first_input, u32::from(placed.linked)] {
+                hash.word(word);
+            }
         }
-        self.crews.iter().for_each(|crew| crew.feed(hash));
-        for remover in self.removers {
-            hash.word(remover.node);
-            hash.word(remover.part);
-            hash.word(remover.first_input);
+        for passage in self.passages {
+            for word in [passage.segment, passage.component, u32::from(passage.side)] {
+                hash.word(word);
+            }
         }
-        self.walls.iter().for_each(|wall| wall.feed(hash));
         self.loops.iter().for_each(|control| control.feed(hash));
     }
 }
 
-/// Finds an input that does not exist or starts out of its range.
-fn check_inputs<E>(network: &Network<'_, E>, first: u32, specs: &[InputSpec]) -> Result<(), ClimateError> {
-    for (slot, spec) in (first as usize..).zip(specs) {
-        let value = network.inputs.get(slot).ok_or(ClimateError::Input(slot as u32))?;
-        if !(spec.min..=spec.max).contains(value) {
-            return Err(ClimateError::Input(slot as u32));
-        }
+/// Finds an input of a component that does not exist or starts out of its range.
+fn check_inputs<E>(
+    network: &Network<'_, E>,
+    first: u32,
+    component: &AnyComponent,
+) -> Result<(), ClimateError> {
+    let specs = (0..).map_while(|index| component.input_spec(index));
+    for (slot, spec) in (first..).zip(specs) {
+        check_input(network, slot, spec)?;
     }
     Ok(())
+}
+
+fn check_input<E>(network: &Network<'_, E>, slot: u32, spec: InputSpec) -> Result<(), ClimateError> {
+    let value = network.inputs.get(slot as usize).ok_or(ClimateError::Input(slot))?;
+    if (spec.min..=spec.max).contains(value) { Ok(()) } else { Err(ClimateError::Input(slot)) }
 }

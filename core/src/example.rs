@@ -1,14 +1,15 @@
 //! The ventilation loop of Qiu et al. 2017 as constant tables, valve fully open: for doctests, examples and a
 //! board's self test. The shipped `networks/paper.toml` describes the same loop with the valve's schedule.
 
-use crate::element::{Fan, HeadCurve, HeatExchanger, Pipe, StdElement, Valve};
+use crate::component::AnyComponent;
+use crate::components::{Fan, HeadCurve, HeatExchanger, Pipe, Valve};
 use crate::{Active, Line, Network, Node, NodeKind, Plan, Segment};
 
-const fn pipe(resistance_pa_s2_kg2: f32) -> StdElement {
-    StdElement::Pipe(Pipe { resistance_pa_s2_kg2 })
+const fn pipe(resistance_pa_s2_kg2: f32) -> AnyComponent {
+    Pipe::new(resistance_pa_s2_kg2).into_any()
 }
 
-const fn segment(element: StdElement, first_input: u32) -> Segment {
+const fn segment(element: AnyComponent, first_input: u32) -> Segment {
     Segment { element, inertance_per_m: 254.648, outlet_volume_m3: 0.015_708, first_input }
 }
 
@@ -26,27 +27,23 @@ static LINES: [Line; 1] = [Line {
 static SEGMENTS: [Segment; 6] = [
     segment(pipe(805.874), 0),
     segment(
-        StdElement::Fan(Fan {
-            curve: HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 12_984.201 },
-        }),
+        Fan::new(HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 12_984.201 })
+            .into_any(),
         0,
     ),
     segment(pipe(5_337.527), 1),
     segment(
-        StdElement::HeatExchanger(HeatExchanger {
+        HeatExchanger {
             resistance_pa_s2_kg2: 16_007.337,
             liquid_fraction: 0.0045,
             separator_efficiency: 1.0,
-        }),
+        }
+        .into_any(),
         1,
     ),
     segment(pipe(4_577.822), 1),
     segment(
-        StdElement::Valve(Valve {
-            open_resistance_pa_s2_kg2: 85.978_46,
-            exponent: 3.134_165,
-            leakage_opening: 1e-3,
-        }),
+        Valve { open_resistance_pa_s2_kg2: 85.978_46, exponent: 3.134_165, leakage_opening: 1e-3 }.into_any(),
         1,
     ),
 ];

@@ -7,7 +7,7 @@ pub(crate) mod observe;
 pub(crate) mod relaxation;
 pub(crate) mod responsive;
 
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Network, NodeKind, PlanError, Sizes, climate};
 
 /// The methods that exist.

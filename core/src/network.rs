@@ -4,13 +4,15 @@
 //! of it is constant data in slices: on a board static tables in flash, on a host vectors. Names live outside,
 //! with whoever made the description.
 
-use crate::element::{Element, Operating, ParameterError, Reason, StdElement};
+use crate::component::{AnyComponent, Element};
+use crate::law::Operating;
+use crate::parameter::{ParameterError, Reason};
 use crate::{Climate, Fingerprint, Node, Plan, PlanError, Schedule, SchedulePoint};
 
 /// One element at its place in a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Segment<E = StdElement> {
+pub struct Segment<E = AnyComponent> {
     /// The element.
     pub element: E,
     /// Inertance I = L/A of the fluid column in the element [1/m]; finite and ≥ 0.
@@ -77,7 +79,7 @@ pub struct Responsive {
 
 /// The whole description, borrowed. Generic over the element set, with ours as the default.
 #[derive(Debug, Clone, Copy)]
-pub struct Network<'a, E = StdElement> {
+pub struct Network<'a, E = AnyComponent> {
     /// Pressure from which all gauge pressures count [Pa]; finite and ≥ 0.
     pub reference_pa: f32,
     /// Nodes.
@@ -305,7 +307,7 @@ impl<E: Element> Network<'_, E> {
             hash.values(&[line.laminar_below_pa, line.start_flow_kg_s]);
         }
         for segment in self.segments {
-            segment.element.feed(&mut hash);
+            segment.element.hash_into(&mut hash);
             hash.values(&[segment.inertance_per_m, segment.outlet_volume_m3]);
             hash.word(segment.first_input);
         }
@@ -344,7 +346,7 @@ impl<E: Element> Network<'_, E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Pipe;
+    use crate::components::Pipe;
     use crate::{NodeKind, example};
 
     #[test]
@@ -382,7 +384,7 @@ mod tests {
         assert!(matches!(error, NetworkError::Line(0, ParameterError { reason: Reason::NotFinite, .. })));
 
         let mut segments: std::vec::Vec<_> = network.segments.to_vec();
-        segments[2].element = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: -1.0 });
+        segments[2].element = Pipe::new(-1.0).into_any();
         let error = Network { segments: &segments, ..network }.check().unwrap_err();
         assert!(matches!(error, NetworkError::Segment(2, ParameterError { reason: Reason::Negative, .. })));
 

@@ -7,7 +7,7 @@
 //! A node stores the deviation of its mass from the mass at the start; the pressure follows from it. Written
 //! that way, what a line takes from one node and gives to the next is the same number.
 
-use crate::element::{ParameterError, Reason};
+use crate::parameter::{ParameterError, Reason};
 use crate::{Fingerprint, air};
 
 /// What a node does with the flows that reach it.

@@ -4,7 +4,7 @@
 //! description itself: the order in which a node's flows are summed, and the order and fill pattern of the
 //! elimination that the implicit methods run. With them a step is a fixed sequence of operations.
 
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Line, Network, Node, NodeKind};
 
 /// An end of a line: twice the line's index, plus one for its outlet.

@@ -21,8 +21,8 @@ pub use input::{Applied, InputState, Rejected};
 use mover::Mover;
 pub use output::OutputState;
 
-use crate::element::ParameterError;
 use crate::mode::Conduct;
+use crate::parameter::ParameterError;
 use crate::{Fingerprint, InputError, Network, Signal};
 
 /// Most channels in each direction.

@@ -12,8 +12,9 @@ mod list;
 
 pub use display::{Display, Shown};
 
-use crate::climate::{ExchangerReadings, VolumeView, medium};
-use crate::element::Element;
+use crate::climate::VolumeView;
+use crate::component::Element;
+use crate::fluid::medium;
 use crate::{Fingerprint, InputSpec, Simulator};
 
 /// Kinds of owner, each with the index that [`Signal::owner`] is.
@@ -31,8 +32,8 @@ pub enum Owner {
     Volume,
     /// The same where that is air.
     Air,
-    /// A heat exchanger.
-    Exchanger,
+    /// A component with figures of its own, counted over all placed ones.
+    Component,
     /// A control loop.
     Control,
     /// An input slot.
@@ -158,14 +159,8 @@ outputs! {
         FreeWater Air Standard "liquid" "free liquid water" Display::Mass => volume.liquid_kg();
         Mixed Air Standard "mixed" "well mixed: 1, or 0" Display::Count => f32::from(u8::from(volume.mixed()));
     }
-    fn exchanger[](exchanger: &ExchangerReadings) {
-        Heat Exchanger Standard "heat" "heat out of the air" Display::Heat => exchanger.heat_w;
-        CoolantHeat Exchanger Standard "coolant_heat" "heat into the coolant" Display::Heat => exchanger.coolant_w;
-        Condensate Exchanger Standard "condensate" "water out of the air" Display::Trickle => exchanger.condensate_kg_s;
-        AirOutlet Exchanger Standard "air_outlet" "temperature behind the coil" Display::Temperature => exchanger.air_outlet_k;
-        Film Exchanger Standard "film" "water in the films" Display::Mass => exchanger.film_kg;
-        Separator Exchanger Standard "separator" "water in the separator" Display::Mass => exchanger.separator_kg;
-        Tank Exchanger Standard "tank" "water in the condensate tank" Display::Mass => exchanger.tank_kg;
+    fn component[](value: f32) {
+        Figure Component Standard "" "figure" Display::Number => value;
     }
     fn control[](reading: f32, position: f32) {
         Reading Control Standard "reading" "reading of the sensor" Display::Number => reading;
@@ -223,7 +218,7 @@ impl Signal {
 
     /// Whether a climate by itself can read the signal, so that its sensors can look at it.
     pub const fn is_measurable(self) -> bool {
-        matches!(self.output.owner(), Owner::Volume | Owner::Air | Owner::Exchanger)
+        matches!(self.output.owner(), Owner::Volume | Owner::Air | Owner::Component)
     }
 
     /// Adds the signal to a hash; its place in the table does not count.

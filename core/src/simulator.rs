@@ -15,7 +15,7 @@ pub use health::{Fault, Health, Place};
 pub use live::{InputError, LiveInput};
 
 use crate::climate::{self, ClimateError};
-use crate::element::{Element, StdElement};
+use crate::component::{AnyComponent, Element};
 use crate::method::implicit::StageInputs;
 use crate::method::responsive::Given;
 use crate::method::{adaptive, implicit, relaxation};
@@ -34,7 +34,7 @@ pub struct Settings {
 }
 
 /// Why a simulator was not built.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BuildError {
     /// The description is wrong.
@@ -104,7 +104,7 @@ fn cut_tail(buffer: &mut [f32], length: usize) -> Option<(&mut [f32], &mut [f32]
 
 /// One network under one method: steps, counts and answers for the state.
 #[derive(Debug)]
-pub struct Simulator<'a, E = StdElement> {
+pub struct Simulator<'a, E = AnyComponent> {
     network: &'a Network<'a, E>,
     settings: Settings,
     network_id: u64,
@@ -221,7 +221,7 @@ impl<'a, E: Element> Simulator<'a, E> {
         let (start, rest) = inputs.split_at_checked(network.inputs.len()).unwrap_or((&[], &[]));
         let at = climate::Stepped { step_s: h, inputs: start };
         if let Some(running) = running.as_mut() {
-            climate::supply::<E, UNROLL>(network, at, running);
+            climate::supply(network, at, running);
         }
         let virtual_k = running.as_ref().map_or(&[][..], climate::Running::virtual_k);
         let supplied = running.as_ref().map(climate::Supplied::of).unwrap_or_default();

@@ -1,12 +1,13 @@
 //! One cabin with crew, walls and a condensing heat exchanger: ledgers over a day, and what follows in closed form.
 
-use eclss_core::climate::condenser::Condenser;
-use eclss_core::climate::medium::{self, Medium};
-use eclss_core::climate::{Contents, Crew, Exchanger, Passage, Remover, Source, Station, Volume, Wall};
-use eclss_core::element::{Fan, HeadCurve, Pipe};
+use eclss_core::climate::{Contents, Volume};
+use eclss_core::component::{Passage, Placed, Range, Table};
+use eclss_core::components::coil::Condenser;
+use eclss_core::components::{CondensingHeatExchanger, Crew, Fan, HeadCurve, Remover, Source, Wall};
+use eclss_core::fluid::medium::{self, Medium};
 use eclss_core::{
-    Active, Buffers, Climate, Health, Line, Method, Network, Node, NodeKind, Plan, Segment, Settings,
-    Simulator, StdElement, moist,
+    Active, AnyComponent, Buffers, Climate, Component, Health, Line, Method, Network, Node, NodeKind, Output,
+    Plan, Segment, Settings, Simulator, moist,
 };
 
 const REFERENCE_K: f32 = 295.15;
@@ -31,12 +32,33 @@ struct Cabin {
     nodes: Vec<Node>,
     volumes: Vec<Volume>,
     inputs: Vec<f32>,
-    exchangers: Vec<Exchanger>,
-    stations: Vec<Station>,
-    sources: Vec<Source>,
-    crews: Vec<Crew>,
-    removers: Vec<Remover>,
-    walls: Vec<Wall>,
+    /// Components that act on the cabin, with their first inputs, each of another kind.
+    components: Vec<(AnyComponent, usize)>,
+    power_w: f32,
+}
+
+/// The station's coil behind a loss.
+const COIL: CondensingHeatExchanger = CondensingHeatExchanger {
+    resistance_pa_s2_kg2: 7_000.0,
+    least_opening: 0.0,
+    air_w_k: Condenser::CCAA.air_w_k,
+    air_reference_kg_s: Condenser::CCAA.air_reference_kg_s,
+    air_exponent: Condenser::CCAA.air_exponent,
+    coolant_w_k: Condenser::CCAA.coolant_w_k,
+    coolant_reference_kg_s: Condenser::CCAA.coolant_reference_kg_s,
+    capacity_j_k: Condenser::CCAA.capacity_j_k,
+    film_kg: Condenser::CCAA.film_kg,
+    start_k: REFERENCE_K,
+    separator_kg: 1.0,
+    discharge_s: 4_500.0,
+    slug_kg: 0.02,
+};
+const CURVE: HeadCurve = HeadCurve { shutoff_pa: 600.0, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 3_000.0 };
+
+/// Figure `name` of the coil, which is placed component 1.
+fn of_coil(simulator: &Simulator<'_>, name: &str) -> f64 {
+    let item = CondensingHeatExchanger::OUTPUTS.iter().position(|output| output.name == name).unwrap();
+    simulator.signal(Output::Figure.item(1, item)).into()
 }
 
 const SPEED: usize = 0;
@@ -69,47 +91,43 @@ impl Cabin {
             nodes: vec![Node { kind: NodeKind::Cabin { volume_m3 }, start_gauge_pa: 0.0, temperature_k }],
             volumes: vec![volume],
             inputs,
-            exchangers: vec![],
-            stations: vec![],
-            sources: vec![Source { node: 0, first_input: SOURCE as u32 }],
-            crews: vec![],
-            removers: vec![],
-            walls: vec![],
+            components: vec![(Source {}.into_any(), SOURCE)],
+            power_w: 0.0,
         }
     }
 
     fn with_exchanger(mut self) -> Self {
-        self.exchangers.push(Exchanger {
-            condenser: Condenser::CCAA,
-            start_k: REFERENCE_K,
-            outlet_node: 0,
-            own_coolant: true,
-            separator_kg: 1.0,
-            discharge_s: 4_500.0,
-            slug_kg: 0.02,
-            first_input: EXCHANGER as u32,
-        });
-        self.stations = vec![
-            Station {
-                segment: 0,
-                line: 0,
-                passage: Passage::Machine { power_w: 150.0, speed_input: SPEED as u32 },
-            },
-            Station { segment: 1, line: 0, passage: Passage::Condenser(0) },
-        ];
+        self.power_w = 150.0;
+        self.components.insert(0, (COIL.into_any(), EXCHANGER));
         self.inputs[EXCHANGER + 1] = 0.075_6;
         self
     }
 
     /// Runs `each` on a simulator of this cabin.
     fn run<T>(&self, method: Method, step_us: u32, each: impl FnOnce(&mut Simulator<'_>) -> T) -> T {
-        let curve = HeadCurve { shutoff_pa: 600.0, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 3_000.0 };
-        let segment =
-            |element| Segment { element, inertance_per_m: 20.0, outlet_volume_m3: 0.0, first_input: 0 };
-        let segments = [
-            segment(StdElement::Fan(Fan { curve })),
-            segment(StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 7_000.0 })),
-        ];
+        let fan = Fan { power_w: self.power_w, ..Fan::new(CURVE) }.into_any();
+        let placed = |component: &AnyComponent, first_input: usize| Placed {
+            row: component.row(),
+            node: 0,
+            first_input: first_input as u32,
+            linked: false,
+        };
+        let own = self.components.iter().map(|(component, first_input)| placed(component, *first_input));
+        let components: Vec<_> = [placed(&fan, SPEED)].into_iter().chain(own).collect();
+        let mut tables = vec![Table::new::<Fan>(Range { count: 1, ..Range::default() })];
+        for (component, _) in &self.components {
+            tables.push(Table::of(component, tables[tables.len() - 1].behind(1)));
+        }
+        let meets = |segment: u32| Passage { segment, line: 0, table: segment, component: segment, side: 0 };
+        let coil = usize::from(self.power_w > 0.0);
+        let passages = &[meets(0), meets(1)][..=coil];
+        let segment = |element, first_input: usize| Segment {
+            element,
+            inertance_per_m: 20.0,
+            outlet_volume_m3: 0.0,
+            first_input: first_input as u32,
+        };
+        let segments = [segment(fan, SPEED), segment(COIL.into_any(), EXCHANGER)];
         let lines = [Line {
             from: 0,
             to: 0,
@@ -148,12 +166,9 @@ impl Cabin {
                 air: Medium::air(REFERENCE_K),
                 coolant: Medium::coolant(moist::LIQUID_HEAT_J_KG_K),
                 volumes: &self.volumes,
-                stations: &self.stations,
-                exchangers: &self.exchangers,
-                sources: &self.sources,
-                crews: &self.crews,
-                removers: &self.removers,
-                walls: &self.walls,
+                components: &components,
+                tables: &tables,
+                passages,
                 loops: &[],
             },
         };
@@ -170,20 +185,10 @@ impl Cabin {
 #[test]
 fn ledgers_of_a_day_close() {
     let mut cabin = Cabin::new(97.71, 295.35, 1_100.0).with_exchanger();
-    cabin.crews.push(Crew { node: 0, first_input: CREW as u32 });
-    cabin.removers.push(Remover {
-        node: 0,
-        part: medium::CARBON_DIOXIDE as u32,
-        first_input: REMOVER as u32,
-    });
-    cabin.walls.push(Wall {
-        node: 0,
-        capacity_j_k: 5e5,
-        inner_w_k: 50.0,
-        outer_w_k: 5.0,
-        start_k: 295.0,
-        first_input: WALL as u32,
-    });
+    cabin.components.push((Crew {}.into_any(), CREW));
+    cabin.components.push((Remover { part: medium::CARBON_DIOXIDE as f32 }.into_any(), REMOVER));
+    let wall = Wall { capacity_j_k: 5e5, inner_w_k: 50.0, outer_w_k: 5.0, start_k: 295.0 };
+    cabin.components.push((wall.into_any(), WALL));
     cabin.inputs[CREW] = 4.0;
     cabin.inputs[REMOVER] = 0.012;
     cabin.inputs[SOURCE] = 700.0;
@@ -199,7 +204,6 @@ fn ledgers_of_a_day_close() {
                 simulator.step();
             }
             println!("{method:?}: {:.2} s; {:?}", clock.elapsed().as_secs_f64(), simulator.air(0));
-            println!("{:?}", simulator.exchanger(0));
             assert_eq!(simulator.health(), Health::Trusted);
             for ledger in simulator.ledgers() {
                 println!("{ledger:?}");
@@ -212,7 +216,7 @@ fn ledgers_of_a_day_close() {
             let [_, oxygen, carbon_dioxide, _, water, _, energy] = simulator.ledgers();
             assert!(oxygen.turned_over > 2.0 && carbon_dioxide.turned_over > 4.0 && water.turned_over > 6.0);
             assert!(energy.turned_over > 1e8);
-            assert!(simulator.exchanger(0).unwrap().tank_kg > 1.0);
+            assert!(of_coil(simulator, "tank") > 1.0);
         });
     }
 }
@@ -224,11 +228,7 @@ fn a_well_mixed_volume_follows_its_exact_exponentials() {
     cabin.inputs[SPEED] = 0.0;
     // Carbon dioxide: dm/dt = S − Q·m/V.
     let (supply, flow, volume) = (7e-5f64, 0.02f64, 97.71f64);
-    cabin.removers.push(Remover {
-        node: 0,
-        part: medium::CARBON_DIOXIDE as u32,
-        first_input: REMOVER as u32,
-    });
+    cabin.components.push((Remover { part: medium::CARBON_DIOXIDE as f32 }.into_any(), REMOVER));
     cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = supply as f32;
     cabin.inputs[REMOVER] = flow as f32;
     let gas = f64::from(medium::GAS_CONSTANTS_J_KG_K[medium::CARBON_DIOXIDE]);
@@ -253,14 +253,8 @@ fn a_well_mixed_volume_follows_its_exact_exponentials() {
     let mut cabin = Cabin::new(97.71, 295.35, 1_100.0);
     cabin.volumes[0].surface_kg_s_pa = 0.0;
     cabin.inputs[SPEED] = 0.0;
-    cabin.walls.push(Wall {
-        node: 0,
-        capacity_j_k: 1e12,
-        inner_w_k: 40.0,
-        outer_w_k: 0.0,
-        start_k: 303.15,
-        first_input: WALL as u32,
-    });
+    let wall = Wall { capacity_j_k: 1e12, inner_w_k: 40.0, outer_w_k: 0.0, start_k: 303.15 };
+    cabin.components.push((wall.into_any(), WALL));
     let capacity = f64::from(
         cabin.volumes[0].start_kg
             * medium::dot(&cabin.volumes[0].fractions, &Medium::air(REFERENCE_K).resting_j_kg_k),
@@ -289,11 +283,7 @@ fn the_cabin_of_the_cdra_test_goes_to_its_analytic_state_of_rest() {
     let pound_a_day = 0.453_592_37 / 86_400.0;
     let (carbon_dioxide, water, flow) = (6.6 * pound_a_day, 12.0 * pound_a_day, 0.0115f64);
     let mut cabin = Cabin::new(97.71, 291.483, 900.0).with_exchanger();
-    cabin.removers.push(Remover {
-        node: 0,
-        part: medium::CARBON_DIOXIDE as u32,
-        first_input: REMOVER as u32,
-    });
+    cabin.components.push((Remover { part: medium::CARBON_DIOXIDE as f32 }.into_any(), REMOVER));
     cabin.inputs[SOURCE] = 940.0;
     cabin.inputs[SOURCE + 1 + medium::CARBON_DIOXIDE] = carbon_dioxide as f32;
     cabin.inputs[SOURCE + 1 + medium::VAPOUR] = water as f32;
@@ -305,18 +295,17 @@ fn the_cabin_of_the_cdra_test_goes_to_its_analytic_state_of_rest() {
             simulator.step();
         }
         let air = simulator.air(0).unwrap();
-        let exchanger = simulator.exchanger(0).unwrap();
-        println!("{air:?}\n{exchanger:?}");
+        println!("{air:?}");
         let gas = f64::from(medium::GAS_CONSTANTS_J_KG_K[medium::CARBON_DIOXIDE]);
         let partial = carbon_dioxide * gas * f64::from(air.temperature_k) / flow;
         let shown = f64::from(air.partial_pa[medium::CARBON_DIOXIDE]);
         assert!((shown / partial - 1.0).abs() < 1e-3, "{shown} Pa against {partial}");
-        let condensate = f64::from(exchanger.condensate_kg_s);
+        let condensate = of_coil(simulator, "condensate");
         assert!((condensate / water - 1.0).abs() < 1e-3, "{condensate} against {water}");
         // Heat: dry load, fan, and what the vapour gives off on its way from the cabin's temperature to the walls'.
         let latent = f64::from(moist::evaporation_enthalpy_j_kg(air.temperature_k));
         let heat = 940.0 + 150.0 + water * latent;
-        let taken = f64::from(exchanger.coolant_w);
+        let taken = of_coil(simulator, "coolant_heat");
         assert!((taken / heat - 1.0).abs() < 1e-3, "{taken} against {heat}");
     });
 }

@@ -3,9 +3,9 @@
 #[path = "support/effectiveness.rs"]
 mod effectiveness;
 
-use eclss_core::climate::condenser::{CELLS, Coil, Condenser};
-use eclss_core::climate::medium::{Medium, VAPOUR};
-use eclss_core::climate::stream::Stream;
+use eclss_core::components::coil::{CELLS, Coil, Condenser};
+use eclss_core::fluid::medium::{Medium, VAPOUR};
+use eclss_core::fluid::stream::Stream;
 use effectiveness::{AT_67_F, AT_75_F, Inlet, at_rest, errors, kelvin, largest_and_mean};
 
 const CCAA: Condenser = Condenser::CCAA;

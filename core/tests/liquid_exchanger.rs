@@ -1,8 +1,8 @@
 //! Liquid to liquid: the coil with coolant on both sides against the textbook's counterflow exchanger.
 
-use eclss_core::climate::condenser::{CELLS, Coil, Condenser};
-use eclss_core::climate::medium::Medium;
-use eclss_core::climate::stream::Stream;
+use eclss_core::components::coil::{CELLS, Coil, Condenser};
+use eclss_core::fluid::medium::Medium;
+use eclss_core::fluid::stream::Stream;
 
 const REFERENCE_K: f32 = 295.15;
 const WATER_J_KG_K: f32 = 4_186.0;

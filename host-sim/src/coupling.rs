@@ -9,9 +9,9 @@ mod delay;
 
 pub use delay::{Loop, mean_over_step};
 
-use eclss_core::element::Element as _;
+use eclss_core::Element as _;
 use eclss_core::process::{Hold, InputChannel, Order};
-use eclss_core::{Method, NodeKind, Output, Settings, StdElement};
+use eclss_core::{Method, NodeKind, Output, Settings, components};
 use eclss_network_file::Loaded;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::Serialize;
@@ -207,7 +207,7 @@ fn measured_line(loaded: &Loaded, slot: usize) -> Option<Measured> {
         segment.first_input as usize == slot && segment.element.input_spec(0).is_some()
     };
     let place = loaded.segments.iter().position(|segment| reads(&segment))?;
-    let StdElement::Measured(measured) = &loaded.segments.get(place)?.element else { return None };
+    let measured = loaded.segments.get(place)?.element.get::<components::Measured>()?;
     let holds = |line: &&eclss_core::Line| {
         (line.first_segment..line.first_segment + line.segments).contains(&(place as u32))
     };

@@ -58,15 +58,12 @@ pub(crate) fn refused(source: &Source, settings: Settings, error: &BuildError) -
         BuildError::Climate(error) => {
             let loaded = &source.loaded;
             let id = match error {
-                ClimateError::Wall(index, _) => {
-                    loaded.file.walls.get(*index as usize).map(|wall| format!("wall `{}`: ", wall.id))
-                }
-                ClimateError::Exchanger(index, _) => {
-                    loaded.names.exchangers.get(*index as usize).map(|id| format!("exchanger `{id}`: "))
+                ClimateError::ComponentStep(index, _) | ClimateError::Conductance(index, _) => {
+                    loaded.names.components.get(*index as usize).map(|id| format!("`{id}`: "))
                 }
                 _ => None,
             };
-            match (id, bound_of_step(loaded, error, settings.step_us)) {
+            match (id, bound_of_step(error, settings.step_us)) {
                 (Some(id), Some(bound)) => id + &bound,
                 _ => format!("method `{method}` refuses it: {error}"),
             }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use eclss_core::components::Measured;
 use eclss_core::mode::Mode;
 use eclss_core::process::{InputState, OutputState, Process};
 use eclss_core::{Health, Method, Settings, Simulator};
@@ -107,11 +108,10 @@ fn couple(loaded: &Loaded, method: Method, extra: u32) -> (f32, f32) {
                 .lines
                 .iter()
                 .zip(&loaded.segments)
-                .filter_map(|(line, segment)| match segment.element {
-                    eclss_core::StdElement::Measured(rig) => {
-                        Some(Some(rig.slope_kg_s_pa * (seen[line.from as usize] - seen[line.to as usize])))
-                    }
-                    _ => None,
+                .filter_map(|(line, segment)| {
+                    segment.element.get::<Measured>().map(|rig| {
+                        Some(rig.slope_kg_s_pa * (seen[line.from as usize] - seen[line.to as usize]))
+                    })
                 })
                 .collect();
             process.ingest(&flows, Mode::Run.conduct());

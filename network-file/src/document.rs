@@ -7,10 +7,12 @@ pub mod air;
 pub mod channel;
 pub mod element;
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 pub use self::channel::{ChannelEntry, InputKeys, ProcessEntry};
-pub use self::element::{Blockage, Curve, ElementKind, Loss, Machine, Passage, Regulator, Seat};
+pub use self::element::{Entry, Value};
 
 use self::air::{AirEntry, ContentsEntry, ControlEntry, PartEntry};
 
@@ -40,18 +42,9 @@ pub struct NetworkFile {
     /// Lines in file order.
     #[serde(rename = "line")]
     pub lines: Vec<LineEntry>,
-    /// Heat and mass sources in file order.
-    #[serde(rename = "source", skip_serializing_if = "Vec::is_empty")]
-    pub sources: Vec<PartEntry>,
-    /// Crews in file order.
-    #[serde(rename = "crew", skip_serializing_if = "Vec::is_empty")]
-    pub crews: Vec<PartEntry>,
-    /// Idealised removal in file order.
-    #[serde(rename = "remover", skip_serializing_if = "Vec::is_empty")]
-    pub removers: Vec<PartEntry>,
-    /// Walls in file order.
-    #[serde(rename = "wall", skip_serializing_if = "Vec::is_empty")]
-    pub walls: Vec<PartEntry>,
+    /// Components at nodes, by the names of their kinds, in file order.
+    #[serde(flatten)]
+    pub parts: BTreeMap<&'static str, Vec<PartEntry>>,
     /// Control loops in file order.
     #[serde(rename = "control", skip_serializing_if = "Vec::is_empty")]
     pub controls: Vec<ControlEntry>,
@@ -168,9 +161,11 @@ pub struct LineEntry {
 pub struct ElementEntry {
     /// Id, unique in the file.
     pub id: String,
-    /// Kind with its own keys.
+    /// Name of its kind.
+    pub kind: &'static str,
+    /// Keys of that kind.
     #[serde(flatten)]
-    pub kind: ElementKind,
+    pub entry: Entry,
     /// Length of the fluid column [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_m: Option<f64>,

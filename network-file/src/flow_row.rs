@@ -11,8 +11,8 @@
 //! `D(z) = z − 1 + h·φ·(A + Σ b_i·g^(v−i))`, i from 0, whose poles lie inside the unit circle; all zeros do so
 //! too exactly if D turns once around 0 on the way around it (argument principle).
 
-use eclss_core::element::Operating;
-use eclss_core::{Element, Segment, StdElement};
+use eclss_core::components::{Fan, Pump, Valve};
+use eclss_core::{AnyComponent, Element, Operating, Segment};
 
 /// Longest line for which the paper's choice is examined.
 const MOST_SEGMENTS: usize = 200;
@@ -54,9 +54,9 @@ pub(crate) fn choose(line: Driven<'_>) -> usize {
 
 /// The valve that resists most when closed, else the element that resists most.
 fn stiffest(segments: &[Segment]) -> usize {
-    let rank = |segment: &Segment| match &segment.element {
-        StdElement::Valve(valve) => (true, f64::from(valve.resistance_pa_s2_kg2(0.0))),
-        element => (false, range(element).1),
+    let rank = |segment: &Segment| match segment.element.get::<Valve>() {
+        Some(valve) => (true, f64::from(valve.resistance_pa_s2_kg2(0.0))),
+        None => (false, range(&segment.element).1),
     };
     let mut best = 0;
     for (place, segment) in segments.iter().enumerate() {
@@ -87,7 +87,7 @@ fn dominant(segments: &[Segment]) -> usize {
 }
 
 /// Smallest and largest loss at 1 kg/s over the range of the inputs.
-fn range(element: &StdElement) -> (f64, f64) {
+fn range(element: &AnyComponent) -> (f64, f64) {
     let Some(spec) = element.input_spec(0) else {
         let loss = loss(element, 1.0, 1.0);
         return (loss.quadratic + loss.linear, loss.quadratic + loss.linear);
@@ -97,7 +97,7 @@ fn range(element: &StdElement) -> (f64, f64) {
     (one.min(other), one.max(other))
 }
 
-fn loss(element: &StdElement, input: f32, flow_kg_s: f64) -> Loss {
+fn loss(element: &AnyComponent, input: f32, flow_kg_s: f64) -> Loss {
     let inputs = [input];
     let at = Operating::plain(&inputs, flow_kg_s as f32);
     let law = element.law(&at);
@@ -108,19 +108,19 @@ fn loss(element: &StdElement, input: f32, flow_kg_s: f64) -> Loss {
 fn is_stable(line: Driven<'_>, place: usize) -> bool {
     let segments = line.segments;
     let rows = &segments[..place];
-    let valve = |segment: &Segment| matches!(segment.element, StdElement::Valve(_));
+    let valve = |segment: &Segment| segment.element.is::<Valve>();
     // Other valves stand open or closed together, machines run at rated or at full speed.
     let others: &[f32] = if rows.iter().any(valve) { &[1.0, 0.0] } else { &[1.0] };
-    let machine = |segment: &Segment| matches!(segment.element, StdElement::Fan(_) | StdElement::Pump(_));
+    let machine = |segment: &Segment| segment.element.is::<Fan>() || segment.element.is::<Pump>();
     let speeds: &[f32] = if segments.iter().any(machine) { &[1.0, 2.0] } else { &[1.0] };
     let openings: &[f32] = if valve(&segments[place]) { &OPENINGS } else { &[1.0] };
     openings.iter().all(|&opening| {
         others.iter().all(|&other| {
             speeds.iter().all(|&speed| {
-                let input = |index: usize, segment: &Segment| match segment.element {
-                    StdElement::Valve(_) if index == place => opening,
-                    StdElement::Valve(_) => other,
-                    _ => speed,
+                let input = |index: usize, segment: &Segment| match segment.element.is::<Valve>() {
+                    true if index == place => opening,
+                    true => other,
+                    false => speed,
                 };
                 is_stable_at(line, place, &input)
             })
@@ -205,20 +205,20 @@ fn turn(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eclss_core::element::{Pipe, Valve};
+    use eclss_core::components::Pipe;
     use eclss_core::example;
 
-    fn segment(element: StdElement) -> Segment {
+    fn segment(element: AnyComponent) -> Segment {
         Segment { element, inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 0 }
     }
 
     fn pipe(resistance_pa_s2_kg2: f32) -> Segment {
-        segment(StdElement::Pipe(Pipe { resistance_pa_s2_kg2 }))
+        segment(Pipe::new(resistance_pa_s2_kg2).into_any())
     }
 
     fn valve(open_resistance_pa_s2_kg2: f32) -> Segment {
         let valve = Valve { open_resistance_pa_s2_kg2, exponent: 3.0, leakage_opening: 1e-3 };
-        segment(StdElement::Valve(valve))
+        segment(valve.into_any())
     }
 
     fn at(segments: &[Segment], drop_pa: f64, start_flow_kg_s: f64) -> usize {

@@ -20,15 +20,19 @@
 mod modules;
 mod ring;
 
+use std::collections::BTreeMap;
 use std::fmt;
+
+use eclss_core::Component;
+use eclss_core::component::FileKind;
+use eclss_core::components::{Fan, Pipe, Valve};
 
 pub use self::modules::{StationError, modules};
 pub use self::ring::{Gas, ring};
 
 use crate::document::air::ContentsEntry;
 use crate::document::{
-    Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
-    NodeEntryKind, Run, SCHEMA, ScheduleEntry, Seat,
+    ElementEntry, Entry, LineEntry, NetworkFile, NodeEntry, NodeEntryKind, Run, SCHEMA, ScheduleEntry,
 };
 use crate::limits;
 
@@ -156,10 +160,7 @@ pub fn generate(shape: Shape, nodes: usize, seed: u64) -> Result<NetworkFile, Si
             record: None,
         },
         air: None,
-        sources: Vec::new(),
-        crews: Vec::new(),
-        removers: Vec::new(),
-        walls: Vec::new(),
+        parts: BTreeMap::new(),
         controls: Vec::new(),
         nodes: (0..nodes).map(|node| module(node, nodes, &mut figures)).collect(),
         lines,
@@ -191,12 +192,8 @@ fn module(node: usize, nodes: usize, figures: &mut Figures) -> NodeEntry {
 
 /// Duct and valve.
 fn passive(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> LineEntry {
-    let valve = ElementKind::Valve {
-        open_resistance_pa_s2_kg2: figures.between(50.0, 200.0),
-        exponent: 3.0,
-        seat: Seat::default(),
-        opening: None,
-    };
+    let open = figures.between(50.0, 200.0);
+    let valve = Entry::new(kind::<Valve>(), &[("open_resistance_pa_s2_kg2", open), ("exponent", 3.0)]);
     line(
         format!("line{index}"),
         (from, to),
@@ -206,12 +203,8 @@ fn passive(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> L
 
 /// Duct and fan, against the direction of the passive line so that the air goes round.
 fn driven(index: usize, (from, to): (usize, usize), figures: &mut Figures) -> LineEntry {
-    let curve = Curve::Pressure {
-        shutoff_pa: figures.between(100.0, 400.0),
-        linear_pa_s_kg: None,
-        quadratic_pa_s2_kg2: figures.between(5e3, 2e4),
-    };
-    let fan = ElementKind::Fan(Machine { curve, speed: None, power_w: None, efficiency: None });
+    let (shutoff, fall) = (figures.between(100.0, 400.0), figures.between(5e3, 2e4));
+    let fan = Entry::new(kind::<Fan>(), &[("shutoff_pa", shutoff), ("quadratic_pa_s2_kg2", fall)]);
     line(
         format!("fan_line{index}"),
         (to, from),
@@ -233,16 +226,20 @@ fn line(id: String, (from, to): (usize, usize), elements: Vec<ElementEntry>) -> 
 }
 
 fn duct(id: String, figures: &mut Figures) -> ElementEntry {
-    let resistance_pa_s2_kg2 = short(10f64.powi(3) * (1.0 + 30.0 * figures.unit() * figures.unit()));
-    let kind =
-        ElementKind::Pipe { loss: Loss::Resistance { resistance_pa_s2_kg2 }, blockage: Blockage::default() };
-    element(id, kind, figures.between(2.0, 8.0), 0.15)
+    let resistance = short(10f64.powi(3) * (1.0 + 30.0 * figures.unit() * figures.unit()));
+    let pipe = Entry::new(kind::<Pipe>(), &[("resistance_pa_s2_kg2", resistance)]);
+    element(id, pipe, figures.between(2.0, 8.0), 0.15)
 }
 
-fn element(id: String, kind: ElementKind, length_m: f64, diameter_m: f64) -> ElementEntry {
+fn kind<C: Component>() -> &'static dyn FileKind {
+    <dyn FileKind>::of::<C>()
+}
+
+fn element(id: String, entry: Entry, length_m: f64, diameter_m: f64) -> ElementEntry {
     ElementEntry {
         id,
-        kind,
+        kind: entry.kind.name(),
+        entry,
         length_m: Some(length_m),
         diameter_m: Some(diameter_m),
         area_m2: None,

@@ -2,9 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use eclss_core::{Element, InputSpec, Interpolation, Schedule, SchedulePoint, StdElement};
+use eclss_core::{AnyComponent, Element, InputSpec, Interpolation, Schedule, SchedulePoint};
 
-use crate::document::{ElementEntry, ElementKind, NetworkFile};
+use crate::document::{Entry, NetworkFile};
 use crate::limits;
 use crate::notes::Notes;
 
@@ -28,23 +28,40 @@ impl Slot {
     }
 }
 
-/// Adds the slots of one element.
-pub(crate) fn slots_of(element: &StdElement, entry: &ElementEntry, path: &str, slots: &mut Vec<Slot>) {
-    let start = match &entry.kind {
-        ElementKind::Valve { opening, .. }
-        | ElementKind::Hatch { opening, .. }
-        | ElementKind::Orifice { opening, .. }
-        | ElementKind::Leak { opening, .. } => *opening,
-        ElementKind::Pipe { blockage, .. }
-        | ElementKind::Condenser { blockage, .. }
-        | ElementKind::CoolantSide { blockage, .. }
-        | ElementKind::InterfaceExchanger { blockage, .. }
-        | ElementKind::Heater { blockage, .. } => blockage.opening,
-        ElementKind::Fan(machine) | ElementKind::Pump(machine) => machine.speed,
-        _ => None,
-    };
-    let specs = (0..).map_while(|index| element.input_spec(index));
-    slots.extend(specs.map(|spec| Slot::new(&entry.id, spec, start, path)));
+/// A component of a file with its place there.
+#[derive(Clone, Copy)]
+pub(crate) struct Named<'a> {
+    pub(crate) id: &'a str,
+    pub(crate) entry: &'a Entry,
+    /// Path of its table.
+    pub(crate) path: &'a str,
+}
+
+/// Adds the slots of one component.
+pub(crate) fn slots_of(
+    component: &AnyComponent,
+    Named { id, entry, path }: Named<'_>,
+    slots: &mut Vec<Slot>,
+    notes: &mut Notes,
+) {
+    let first = slots.len();
+    let starts = &entry.starts;
+    let specs = (0..).map_while(|index| component.input_spec(index));
+    slots.extend(specs.map(|spec| Slot::new(id, spec, starts.get(spec.name).copied(), path)));
+    for (name, start) in starts {
+        match slots[first..].iter().find(|slot| slot.spec.name == *name) {
+            Some(slot) if !limits::of(&slot.spec).values.contains(start) => {
+                let range = limits::of(&slot.spec);
+                notes.refuse_at(path, &[name], format!("`{name}` must lie in {range}, not at {start:?}"));
+            }
+            Some(_) => {}
+            // Its loss is the only one that decides by a key whether an input exists.
+            None if *name == "opening" => {
+                notes.refuse_at(path, &[name], "an `opening` is for an element with `blockable = true`");
+            }
+            None => {}
+        }
+    }
 }
 
 /// Start values, schedules and points.

@@ -1,7 +1,8 @@
 //! A file that was accepted: the document and the tables that the core runs on.
 
-use eclss_core::climate::medium::Medium;
-use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Station, Volume, Wall};
+use eclss_core::climate::{ControlLoop, Volume};
+use eclss_core::component::{Passage, Placed, Table};
+use eclss_core::fluid::Medium;
 use eclss_core::signal::OutputSpec;
 use eclss_core::{
     Active, Climate, Line, Method, Network, Node, Responsive, Schedule, SchedulePoint, Segment,
@@ -67,8 +68,8 @@ pub struct Names {
     pub segments: Vec<String>,
     /// Names of the input slots, as in `valve.opening`.
     pub inputs: Vec<String>,
-    /// Ids of the condensers.
-    pub exchangers: Vec<String>,
+    /// Ids of the placed components.
+    pub components: Vec<String>,
     /// Ids of the control loops.
     pub controls: Vec<String>,
 }
@@ -84,20 +85,16 @@ pub struct ClimateTables {
     pub coolant: Medium,
     /// What every node holds.
     pub volumes: Vec<Volume>,
-    /// What streams meet.
-    pub stations: Vec<Station>,
-    /// Condensing heat exchangers.
-    pub exchangers: Vec<Exchanger>,
-    /// Their ids.
-    pub exchanger_names: Vec<String>,
-    /// Sources.
-    pub sources: Vec<Source>,
-    /// Crews.
-    pub crews: Vec<Crew>,
-    /// Removers.
-    pub removers: Vec<Remover>,
-    /// Walls.
-    pub walls: Vec<Wall>,
+    /// Placed components, those of one kind side by side.
+    pub components: Vec<Placed>,
+    /// Their kinds.
+    pub tables: Vec<Table>,
+    /// Passages of streams through components.
+    pub passages: Vec<Passage>,
+    /// Ids of the placed components.
+    pub names: Vec<String>,
+    /// Paths of their tables in the file.
+    pub(crate) paths: Vec<String>,
     /// Control loops.
     pub loops: Vec<ControlLoop>,
 }
@@ -110,13 +107,11 @@ impl Default for ClimateTables {
             air,
             coolant,
             volumes: Vec::new(),
-            stations: Vec::new(),
-            exchangers: Vec::new(),
-            exchanger_names: Vec::new(),
-            sources: Vec::new(),
-            crews: Vec::new(),
-            removers: Vec::new(),
-            walls: Vec::new(),
+            components: Vec::new(),
+            tables: Vec::new(),
+            passages: Vec::new(),
+            names: Vec::new(),
+            paths: Vec::new(),
             loops: Vec::new(),
         }
     }
@@ -130,12 +125,9 @@ impl ClimateTables {
             air: self.air,
             coolant: self.coolant,
             volumes: &self.volumes,
-            stations: &self.stations,
-            exchangers: &self.exchangers,
-            sources: &self.sources,
-            crews: &self.crews,
-            removers: &self.removers,
-            walls: &self.walls,
+            components: &self.components,
+            tables: &self.tables,
+            passages: &self.passages,
             loops: &self.loops,
         }
     }

@@ -1,22 +1,21 @@
 //! From the document to the core's tables: references, densities, slots, and the core's own checks.
 
 mod climate;
-mod power;
 
 use std::collections::{HashMap, HashSet};
 
-use eclss_core::climate::ControlLoop;
-use eclss_core::element::Operating;
+use eclss_core::component::LineFacts;
 use eclss_core::signal::OutputSpec;
 use eclss_core::{
-    Active, Element, Fault, InputSpec, Line, Method, Network, Node, NodeKind, Plan, Responsive, Segment, air,
+    Active, Climate, Element, Fault, InputSpec, Line, Method, Network, Node, NodeKind, Operating, Plan,
+    Responsive, Segment, air,
 };
 
 use crate::document::{LineEntry, NetworkFile, NodeEntryKind};
 use crate::duration::duration_us;
 use crate::element::Conversion;
 use crate::flow_row::{self, Driven};
-use crate::input::{self, Slot};
+use crate::input::{self, Named, Slot};
 use crate::limits;
 use crate::loaded::{Loaded, Names, RunDefaults};
 use crate::notes::Notes;
@@ -49,12 +48,12 @@ pub(crate) fn lower(file: NetworkFile, notes: &mut Notes) -> Option<Loaded> {
         lines: file.lines.iter().map(|line| line.id.clone()).collect(),
         segments: tables.names,
         inputs: tables.slots.iter().map(|slot| slot.name.clone()).collect(),
-        exchangers: climate.exchanger_names.clone(),
+        components: climate.names.clone(),
         controls: file.controls.iter().map(|control| control.id.clone()).collect(),
     };
     let ranges = tables.slots.iter().map(|slot| (slot.spec.min, slot.spec.max)).collect();
     let specs: Vec<_> = tables.slots.iter().map(|slot| slot.spec).collect();
-    let input_specs = input_specs(&specs, &climate.loops);
+    let input_specs = input_specs(&specs, &climate.climate());
     let network = Network {
         reference_pa: file.reference_pressure_pa as f32,
         nodes: &nodes,
@@ -134,12 +133,7 @@ impl<'f> Ids<'f> {
                 see(&element.id, format!("line[{index}].element[{place}]"));
             }
         }
-        for (kind, parts) in [
-            ("source", &file.sources),
-            ("crew", &file.crews),
-            ("remover", &file.removers),
-            ("wall", &file.walls),
-        ] {
+        for (kind, parts) in &file.parts {
             for (index, part) in parts.iter().enumerate() {
                 see(&part.id, format!("{kind}[{index}]"));
             }
@@ -216,17 +210,28 @@ impl Tables {
         let to = node_of(ids, &line.to, path, "to", notes);
         let density_kg_m3 = density(file, line, from, to);
         let high_side = high_side(file, from, to);
+        let facts = LineFacts {
+            density_kg_m3,
+            area_m2: None,
+            high_pa: high_side.0,
+            high_k: high_side.1,
+            from_k: from
+                .and_then(|node| file.nodes.get(node))
+                .map_or(limits::REFERENCE_K, |node| node.temperature_k),
+            has_air: file.air.is_some(),
+        };
         let first_segment = self.segments.len();
         for (place, entry) in line.elements.iter().enumerate() {
             let path = format!("{path}.element[{place}]");
             let last = place + 1 == line.elements.len();
             let (element, inertance_per_m, outlet_volume_m3) =
-                Conversion { notes, entry, path: &path, density_kg_m3, high_side, last }.convert();
+                Conversion { notes, entry, path: &path, line: facts, last }.convert();
             if let Err(error) = element.check() {
                 notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
             }
             let first_input = self.slots.len() as u32;
-            input::slots_of(&element, entry, &path, &mut self.slots);
+            let named = Named { id: &entry.id, entry: &entry.entry, path: &path };
+            input::slots_of(&element, named, &mut self.slots, notes);
             self.segments.push(Segment { element, inertance_per_m, outlet_volume_m3, first_input });
             self.names.push(entry.id.clone());
         }
@@ -371,10 +376,10 @@ fn run_defaults(file: &NetworkFile, notes: &mut Notes) -> RunDefaults {
 }
 
 /// What the input slots publish: as they are declared, except what a control takes in the unit of what it measures.
-fn input_specs(specs: &[InputSpec], loops: &[ControlLoop]) -> Vec<OutputSpec> {
+fn input_specs(specs: &[InputSpec], climate: &Climate<'_>) -> Vec<OutputSpec> {
     let mut list: Vec<_> = specs.iter().map(OutputSpec::of_input).collect();
-    for control in loops {
-        let display = control.measures.spec().display;
+    for control in climate.loops {
+        let display = climate.spec_of_signal(control.measures).display;
         for (spec, display) in
             list.iter_mut().skip(control.first_input as usize).zip([display, display.difference()])
         {

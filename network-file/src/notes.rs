@@ -3,19 +3,35 @@
 use std::collections::HashMap;
 use std::ops::Range as Span;
 
+use eclss_core::component::FileKind;
+use eclss_core::components::KINDS;
+
 use crate::error::Finding;
 use crate::limits;
 
 /// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Notes {
+    /// Kinds of component that the file may name.
+    pub(crate) kinds: &'static [&'static dyn FileKind],
     pub(crate) findings: Vec<Finding>,
     /// All problems, of which the first [`limits::FINDINGS`] are kept.
     pub(crate) count: usize,
     pub(crate) places: HashMap<String, Span<usize>>,
 }
 
+impl Default for Notes {
+    fn default() -> Self {
+        Self::of(KINDS)
+    }
+}
+
 impl Notes {
+    /// Notes on a file that may name these kinds.
+    pub(crate) fn of(kinds: &'static [&'static dyn FileKind]) -> Self {
+        Self { kinds, findings: Vec::new(), count: 0, places: HashMap::new() }
+    }
+
     /// Records a problem at a span.
     pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
         self.add(span, || (reason.into(), None));

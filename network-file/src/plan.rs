@@ -271,8 +271,8 @@ fn eliminate(nodes: &[Node], lines: &[Line]) -> (Vec<u32>, Vec<Vec<u32>>, usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eclss_core::element::Pipe;
-    use eclss_core::{Method, StdElement};
+    use eclss_core::Method;
+    use eclss_core::components::Pipe;
 
     fn nodes(count: usize) -> Vec<Node> {
         let kind = NodeKind::Cabin { volume_m3: 60.0 };
@@ -293,7 +293,7 @@ mod tests {
 
     /// Tables of lines of one pipe each, which the core must accept.
     fn made(nodes: &[Node], lines: &[Line]) -> PlanTables {
-        let pipe = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e3 });
+        let pipe = Pipe::new(1e3).into_any();
         let segment =
             Segment { element: pipe, inertance_per_m: 100.0, outlet_volume_m3: 0.0, first_input: 0 };
         let segments = vec![segment; lines.len()];

@@ -2,44 +2,24 @@
 
 mod air;
 
+use std::collections::BTreeMap;
 use std::ops::Range as Span;
 
-use eclss_core::climate::parts;
+use eclss_core::component::FileKind;
+use eclss_core::parameter::{KeyType, Place, Presence};
 use toml::de::{DeTable, DeValue};
 
 use crate::channel;
 use crate::document::{
-    Blockage, Curve, ElementEntry, ElementKind, LineEntry, Loss, Machine, NetworkFile, NodeEntry,
-    NodeEntryKind, Passage, Regulator, Run, SCHEMA, ScheduleEntry, Seat,
+    ElementEntry, Entry, LineEntry, NetworkFile, NodeEntry, NodeEntryKind, Run, SCHEMA, ScheduleEntry, Value,
 };
-use crate::limits;
+use crate::limits::{self, Range};
 use crate::notes::Notes;
 use crate::number::number;
 use crate::table::Table;
 
-/// Kinds of node and of element, as written.
+/// Kinds of node, as written.
 const NODE_KINDS: [&str; 5] = ["cabin", "liquid", "accumulator", "junction", "boundary"];
-const ELEMENT_KINDS: [&str; 18] = [
-    "pipe",
-    "reference_pipe",
-    "valve",
-    "fan",
-    "pump",
-    "heat_exchanger",
-    "bed",
-    "condenser",
-    "coolant_side",
-    "interface_exchanger",
-    "heater",
-    "measured",
-    "orifice",
-    "leak",
-    "check_valve",
-    "relief_valve",
-    "pressure_regulator",
-    "hatch",
-];
-
 /// Reads the whole text; the document counts only if there are no findings.
 pub(crate) fn read(text: &str, notes: &mut Notes) -> Option<NetworkFile> {
     if text.len() > limits::FILE_BYTES {
@@ -86,10 +66,7 @@ fn read_file(root: &mut Table<'_, '_>) -> Option<NetworkFile> {
         air: None,
         nodes,
         lines,
-        sources: Vec::new(),
-        crews: Vec::new(),
-        removers: Vec::new(),
-        walls: Vec::new(),
+        parts: BTreeMap::new(),
         controls: Vec::new(),
         schedules,
         process,
@@ -181,11 +158,14 @@ fn read_line(line: &mut Table<'_, '_>) -> LineEntry {
 
 fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
     let id = element.need_id("id");
-    let kind = element.need_kind("kind", &ELEMENT_KINDS)?;
-    let kind = read_passage(element, &kind).unwrap_or_else(|| read_opening(element, &kind));
+    let kinds: Vec<_> = element.notes.kinds.iter().filter(|kind| kind.place() == Place::Line).collect();
+    let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
+    let name = element.need_kind("kind", &names)?;
+    let kind = **kinds.iter().find(|kind| kind.name() == name)?;
     Some(ElementEntry {
         id,
-        kind,
+        kind: kind.name(),
+        entry: read_entry(element, kind),
         length_m: element.number("length_m", &limits::LENGTH),
         diameter_m: element.number("diameter_m", &limits::DIAMETER),
         area_m2: element.number("area_m2", &limits::AREA),
@@ -194,175 +174,33 @@ fn read_element(element: &mut Table<'_, '_>) -> Option<ElementEntry> {
     })
 }
 
-/// Ducts and machines; `None` for the kinds of [`read_opening`].
-fn read_passage(element: &mut Table<'_, '_>, kind: &str) -> Option<ElementKind> {
-    Some(match kind {
-        "pipe" => ElementKind::Pipe { loss: read_loss(element), blockage: read_blockage(element) },
-        "reference_pipe" => ElementKind::ReferencePipe {
-            pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::REFERENCE_DROP),
-            mass_flow_kg_s: element.need_number("mass_flow_kg_s", &limits::REFERENCE_FLOW),
-            exponent: element.need_number("exponent", &limits::FLOW_EXPONENT),
-            density_kg_m3: element.number("density_kg_m3", &limits::DENSITY),
-        },
-        "valve" => ElementKind::Valve {
-            open_resistance_pa_s2_kg2: element
-                .need_number("open_resistance_pa_s2_kg2", &limits::SOME_RESISTANCE),
-            exponent: element.need_number("exponent", &limits::VALVE_EXPONENT),
-            seat: read_seat(element),
-            opening: element.number("opening", &limits::FRACTION),
-        },
-        "fan" => ElementKind::Fan(read_machine(element)),
-        "pump" => ElementKind::Pump(read_machine(element)),
-        "heat_exchanger" => ElementKind::HeatExchanger {
-            loss: read_loss(element),
-            liquid_fraction: element.need_number("liquid_fraction", &limits::FRACTION),
-            separator_efficiency: element.need_number("separator_efficiency", &limits::FRACTION),
-        },
-        "measured" => ElementKind::Measured {
-            largest_flow_kg_s: element.need_number("largest_flow_kg_s", &limits::MEASURED_FLOW),
-            slope_kg_s_pa: element.need_number("slope_kg_s_pa", &limits::MEASURED_SLOPE),
-        },
-        "condenser" => ElementKind::Condenser {
-            loss: read_loss(element),
-            blockage: read_blockage(element),
-            coil: air::read_coil(element),
-        },
-        "coolant_side" => ElementKind::CoolantSide {
-            loss: read_loss(element),
-            blockage: read_blockage(element),
-            condenser: element.need_text("condenser"),
-        },
-        "interface_exchanger" => ElementKind::InterfaceExchanger {
-            loss: read_loss(element),
-            blockage: read_blockage(element),
-            plates: air::read_plates(element),
-        },
-        "heater" => {
-            let (loss, blockage) = (read_loss(element), read_blockage(element));
-            ElementKind::Heater { loss, blockage, starts: air::starts(element, &[parts::HEATER_INPUT]) }
-        }
-        "bed" => ElementKind::Bed {
-            loss: read_loss(element),
-            mass_fraction: element.need_number("mass_fraction", &limits::FRACTION),
-            capture_efficiency: element.need_number("capture_efficiency", &limits::FRACTION),
-        },
-        _ => return None,
-    })
-}
-
-/// Openings and valves that respond to pressure, and the hatch.
-fn read_opening(element: &mut Table<'_, '_>, kind: &str) -> ElementKind {
-    match kind {
-        "orifice" => ElementKind::Orifice {
-            discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
-            opening: element.number("opening", &limits::FRACTION),
-        },
-        "leak" => ElementKind::Leak {
-            leak_kg_d: element.need_number("leak_kg_d", &limits::LEAK),
-            pressure_drop_pa: element.need_number("pressure_drop_pa", &limits::SOME_PRESSURE),
-            inlet_pressure_pa: element.number("inlet_pressure_pa", &limits::SOME_PRESSURE),
-            opening: element.number("opening", &limits::FRACTION),
-        },
-        "check_valve" => ElementKind::CheckValve {
-            loss: read_loss(element),
-            reverse_leak_kg_s: element.need_number("reverse_leak_kg_s", &limits::SEAT_LEAK),
-            reverse_pressure_pa: element.need_number("reverse_pressure_pa", &limits::SOME_PRESSURE),
-        },
-        "relief_valve" => ElementKind::ReliefValve {
-            crack_pa: element.need_number("crack_pa", &limits::SOME_PRESSURE),
-            reseat_pa: element.need_number("reseat_pa", &limits::PRESSURE),
-            passage: if element.has("discharge_coefficient") {
-                let discharge_coefficient = element.need_number("discharge_coefficient", &limits::DISCHARGE);
-                Passage::Discharge { discharge_coefficient }
-            } else {
-                Passage::Loss(read_loss(element))
-            },
-            seat: read_seat(element),
-        },
-        "pressure_regulator" => ElementKind::PressureRegulator(Regulator {
-            discharge_coefficient: element.need_number("discharge_coefficient", &limits::DISCHARGE),
-            set_point_pa: element.need_number("set_point_pa", &limits::SOME_PRESSURE),
-            band_pa: element.need_number("band_pa", &limits::SOME_PRESSURE),
-            lag_s: element.need_number("lag_s", &limits::LAG),
-            seat: read_seat(element),
-        }),
-        _ => ElementKind::Hatch {
-            loss: read_loss(element),
-            seat: read_seat(element),
-            opening: element.number("opening", &limits::FRACTION),
-        },
+/// The keys and start values that a component of this kind may have.
+pub(crate) fn read_entry(table: &mut Table<'_, '_>, kind: &'static dyn FileKind) -> Entry {
+    let mut keys = BTreeMap::new();
+    for key in kind.keys().iter().copied().flatten() {
+        let required = key.presence == Presence::Required;
+        let value = match key.holds {
+            KeyType::Number { unit, min, max } => {
+                let range = Range { values: min..=max, unit };
+                if required {
+                    Some(Value::Number(table.need_number(key.name, &range)))
+                } else {
+                    table.number(key.name, &range).map(Value::Number)
+                }
+            }
+            KeyType::Flag => table.flag(key.name).map(Value::Flag),
+            KeyType::Choice(words) => {
+                let word = table.word(key.name, words);
+                if word.is_none() && !table.has(key.name) {
+                    table.refuse(key.name, format!("`{}` is missing: one of {}", key.name, words.join(", ")));
+                }
+                word.map(Value::Text)
+            }
+            KeyType::Component => Some(Value::Text(table.need_text(key.name))),
+        };
+        keys.extend(value.map(|value| (key.name, value)));
     }
-}
-
-/// What the element lets through when closed.
-fn read_seat(element: &mut Table<'_, '_>) -> Seat {
-    let seat = Seat {
-        leakage_opening: element.number("leakage_opening", &limits::LEAKAGE),
-        seat_leak_kg_d: element.number("seat_leak_kg_d", &limits::SEAT_LEAK_A_DAY),
-        seat_leak_pressure_pa: element.number("seat_leak_pressure_pa", &limits::SOME_PRESSURE),
-    };
-    if element.has("leakage_opening") && element.has("seat_leak_kg_d") {
-        element.refuse(
-            "seat_leak_kg_d",
-            "give the leak of the seat once: as `seat_leak_kg_d`, or as `leakage_opening`",
-        );
-    }
-    for (key, other) in
-        [("seat_leak_kg_d", "seat_leak_pressure_pa"), ("seat_leak_pressure_pa", "seat_leak_kg_d")]
-    {
-        if element.has(key) && !element.has(other) {
-            element.refuse(key, format!("`{key}` needs `{other}`: a leak at a pressure"));
-        }
-    }
-    seat
-}
-
-/// Whether the element can be blocked, and how far it is.
-fn read_blockage(element: &mut Table<'_, '_>) -> Blockage {
-    let blockable = element.flag("blockable");
-    let opening = element.number("opening", &limits::FRACTION);
-    if opening.is_some() && blockable != Some(true) {
-        element.refuse("opening", "an `opening` is for an element with `blockable = true`");
-    }
-    Blockage { blockable, opening }
-}
-
-fn read_loss(element: &mut Table<'_, '_>) -> Loss {
-    let resistance = element.number("resistance_pa_s2_kg2", &limits::RESISTANCE);
-    let coefficient = element.number("loss_coefficient", &limits::LOSS_COEFFICIENT);
-    let given = (element.has("resistance_pa_s2_kg2"), element.has("loss_coefficient"));
-    if given.0 == given.1 {
-        element.refuse(
-            "loss_coefficient",
-            "give the loss once: as `resistance_pa_s2_kg2`, or as `loss_coefficient` with a diameter or area",
-        );
-    }
-    match coefficient {
-        Some(loss_coefficient) => Loss::Coefficient { loss_coefficient },
-        None => Loss::Resistance { resistance_pa_s2_kg2: resistance.unwrap_or(1.0) },
-    }
-}
-
-fn read_machine(element: &mut Table<'_, '_>) -> Machine {
-    let curve = if element.has("h0_m") {
-        Curve::Head {
-            h0_m: element.need_number("h0_m", &limits::HEAD),
-            h1_s_m2: element.number("h1_s_m2", &limits::HEAD_LINEAR),
-            h2_s2_m5: element.need_number("h2_s2_m5", &limits::HEAD_QUADRATIC),
-        }
-    } else {
-        Curve::Pressure {
-            shutoff_pa: element.need_number("shutoff_pa", &limits::PRESSURE),
-            linear_pa_s_kg: element.number("linear_pa_s_kg", &limits::LINEAR_FALL),
-            quadratic_pa_s2_kg2: element.need_number("quadratic_pa_s2_kg2", &limits::SOME_RESISTANCE),
-        }
-    };
-    Machine {
-        curve,
-        speed: element.number("speed", &limits::SPEED),
-        power_w: element.number("power_w", &limits::POWER),
-        efficiency: element.number("efficiency", &limits::EFFICIENCY),
-    }
+    Entry { kind, keys, starts: air::starts(table, kind.inputs()) }
 }
 
 fn read_schedule(schedule: &mut Table<'_, '_>) -> ScheduleEntry {

@@ -1,8 +1,7 @@
 //! The core's errors in the words and at the places of the file.
 
-use eclss_core::climate::condenser::{CELLS, WALL_LOAD_W_K};
-use eclss_core::climate::medium::dot;
-use eclss_core::climate::{ClimateError, Contents};
+use eclss_core::climate::ClimateError;
+use eclss_core::parameter::StepBound;
 use eclss_core::{MethodError, NetworkError, ParameterError, Reason};
 
 use crate::loaded::Loaded;
@@ -206,48 +205,26 @@ pub(crate) fn method(loaded: &Loaded, error: MethodError, notes: &mut Notes) {
     notes.refuse_with(span, reason, help);
 }
 
-/// Names the bound that a step of `step_us` [µs] sets to a wall's or an exchanger's figures, where the core refused one.
-pub fn bound_of_step(loaded: &Loaded, error: &ClimateError, step_us: u32) -> Option<String> {
-    let step_s = f64::from(step_us) * 1e-6;
-    let climate = &loaded.climate;
-    let (parameter, bound) = match *error {
-        ClimateError::Wall(index, error) if error.reason == Reason::OutsideValidity => {
-            let wall = climate.walls.get(index as usize)?;
-            let same = climate.walls.iter().filter(|other| other.node == wall.node);
-            if error.parameter == "capacity_j_k" {
-                let least = step_s * f64::from(wall.inner_w_k + wall.outer_w_k);
-                ("capacity_j_k", format!("must be at least {least:.4} J/K"))
-            } else {
-                let volume = climate.volumes.get(wall.node as usize)?;
-                let medium = if volume.contents == Contents::Air { &climate.air } else { &climate.coolant };
-                let capacity = volume.start_kg * dot(&volume.fractions, &medium.resting_j_kg_k);
-                let (most, walls) = (f64::from(capacity) / step_s, same.count());
-                let all = if walls > 1 {
-                    format!(" of all {walls} walls of its node together")
-                } else {
-                    String::new()
-                };
-                ("inner_w_k", format!("{all} must be at most {most:.4} W/K").trim_start().to_owned())
-            }
+/// Names the bound that a step of `step_us` [µs] sets to a component's figures, where the core refused one.
+pub fn bound_of_step(error: &ClimateError, step_us: u32) -> Option<String> {
+    let step_ms = f64::from(step_us) * 1e-3;
+    let bound = match *error {
+        ClimateError::ComponentStep(_, StepBound { parameter, least, unit }) => {
+            format!("`{parameter}` must be at least {least:.4} {unit}")
         }
-        ClimateError::Exchanger(_, error) if error.reason == Reason::OutsideValidity => {
-            let least = CELLS as f64 * step_s * f64::from(WALL_LOAD_W_K);
-            ("capacity_j_k", format!("must be at least {least:.4} J/K"))
+        ClimateError::Conductance(_, most) => {
+            format!("`inner_w_k` must be at most {most:.4} W/K in all walls of its node together")
         }
         _ => return None,
     };
-    Some(format!("`{parameter}` {bound} for a step of {} ms", step_s * 1e3))
+    Some(format!("{bound} for a step of {step_ms} ms"))
 }
 
 /// Ties an error of the climate's check to its place.
 pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
-    let bound = bound_of_step(loaded, &error, loaded.run.step_us);
+    let bound = bound_of_step(&error, loaded.run.step_us).unwrap_or_default();
     let part = |kind: &str, index: u32| format!("{kind}[{index}]");
-    let exchanger = |index: u32| {
-        let name = loaded.names.exchangers.get(index as usize);
-        let segment = loaded.names.segments.iter().position(|id| Some(id) == name).unwrap_or(0);
-        element_path(loaded, segment as u32)
-    };
+    let component = |index: u32| loaded.climate.paths.get(index as usize).cloned().unwrap_or_default();
     let (path, keys, reason): (String, &[&str], String) = match error {
         ClimateError::Volume(index, ParameterError { parameter: "start_kg", .. }) => (
             part("node", index),
@@ -280,16 +257,21 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
             &["liquid_fraction", "capture_efficiency"],
             "takes out a fixed share; with `[air]` use a condenser or a remover".into(),
         ),
-        ClimateError::Exchanger(index, error) => {
-            (exchanger(index), &[error.parameter], bound.unwrap_or_else(|| text(error)))
+        ClimateError::Component(index, error) => (component(index), &[error.parameter], text(error)),
+        ClimateError::ComponentStep(index, error) => (component(index), &[error.parameter], bound),
+        ClimateError::Conductance(index, _) => (component(index), &["inner_w_k"], bound),
+        ClimateError::ComponentNode(index) => {
+            let (path, reason) = (component(index), "has no volume of what it needs around it");
+            (path, &["node", "id"], reason.into())
         }
-        ClimateError::ExchangerSides(index) => (
-            exchanger(index),
+        ClimateError::Sides(index) => (
+            component(index),
             &["id"],
             "needs one side of its own and at most one coolant side, and behind it what it carries".into(),
         ),
-        ClimateError::Wall(index, error) => {
-            (part("wall", index), &[error.parameter], bound.unwrap_or_else(|| text(error)))
+        ClimateError::Passage(index) => {
+            let segment = loaded.climate.passages.get(index as usize).map_or(0, |passage| passage.segment);
+            (element_path(loaded, segment), &["kind"], "stands in a line of the wrong medium".into())
         }
         ClimateError::Loop(index, error) => (part("control", index), &[error.parameter], text(error)),
         ClimateError::LoopTarget(index) => (
@@ -297,19 +279,13 @@ pub(crate) fn climate(loaded: &Loaded, error: ClimateError, notes: &mut Notes) {
             &["drives", "opposite"],
             "measures or drives what does not exist, or what something else drives already".into(),
         ),
-        ClimateError::Station(index) => {
-            let segment = loaded.climate.stations.get(index as usize).map_or(0, |station| station.segment);
-            (element_path(loaded, segment), &["kind"], "stands in a line of the wrong medium".into())
-        }
-        ClimateError::Source(index) => (part("source", index), &["node"], "needs a node of air".into()),
-        ClimateError::Crew(index) => (part("crew", index), &["node"], "needs a node of air".into()),
-        ClimateError::Remover(index) => (part("remover", index), &["node"], "needs a node of air".into()),
-        ClimateError::WallNode(index) => (part("wall", index), &["node"], "needs a node".into()),
         ClimateError::Input(slot) => {
             let name = loaded.names.inputs.get(slot as usize).cloned().unwrap_or_default();
             (String::new(), &["air"], format!("the start value of `{name}` is out of its range"))
         }
-        ClimateError::Volumes => (String::new(), &["air"], format!("internal: {error}")),
+        ClimateError::Volumes | ClimateError::Table(_) => {
+            (String::new(), &["air"], format!("internal: {error}"))
+        }
     };
     notes.refuse_at(&path, keys, reason);
 }

@@ -7,7 +7,7 @@ mod process;
 
 use std::fmt::{Debug, Write as _};
 
-use eclss_core::Method;
+use eclss_core::{AnyComponent, Method};
 
 use crate::loaded::Loaded;
 
@@ -33,22 +33,19 @@ impl Loaded {
         let mut text = String::new();
         text.push_str("// Generated from a network file; do not edit.\n\n");
         text.push_str(
-            "#[allow(unused_imports)] // a network need not have every kind of element\n\
-             use ::eclss_core::element::{\n    Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, \
-             PressureRegulator, Pump, ReferencePipe,\n    ReliefValve, Valve,\n};\n\
-             #[allow(unused_imports)] // nor channels\n\
+            "#[allow(unused_imports)] // a network need not have channels\n\
              use ::eclss_core::process::{\n    Calibration, Curve, Hold, Image, InputChannel, Order, OutputChannel, \
              Port, Scaling,\n};\n\
              #[allow(unused_imports)] // nor schedules\n\
              use ::eclss_core::{\n    Active, Climate, Interpolation, Line, Method, Network, Node, NodeKind, Plan, Responsive, \
-             Schedule, SchedulePoint, Segment,\n    Output, Settings, Signal, Sizes, StdElement,\n};\n",
+             Schedule, SchedulePoint, Segment,\n    AnyComponent, Output, Settings, Signal, Sizes,\n};\n",
         );
         if !self.climate.volumes.is_empty() {
             text.push_str(
                 "#[allow(unused_imports)] // nor everything that a climate may have\n\
-                 use ::eclss_core::{\n    climate::condenser::Condenser, climate::medium::Medium, \
-                 climate::{Contents::*, ControlLoop, Crew, Exchanger, Passage::*, Remover, Source, Station, \
-                 Volume, Wall},\n    control::{Actuator, Controller::*, Sensor},\n};\n",
+                 use ::eclss_core::{\n    climate::{Contents::*, ControlLoop, Volume},\n    \
+                 component::{Passage, Placed, Range, Table},\n    control::{Actuator, Controller::*, Sensor},\n    \
+                 fluid::Medium,\n};\n",
             );
         }
         self.write_constants(&mut text);
@@ -87,9 +84,11 @@ impl Loaded {
         table(text, "Lines.", "LINES", "Line", &self.lines, debug);
         table(text, "Segments of all lines.", "SEGMENTS", "Segment", &self.segments, |segment| {
             format!(
-                "Segment {{ element: StdElement::{:?}, inertance_per_m: {:?}, outlet_volume_m3: {:?}, \
-                 first_input: {} }}",
-                segment.element, segment.inertance_per_m, segment.outlet_volume_m3, segment.first_input
+                "Segment {{ element: {}, inertance_per_m: {:?}, outlet_volume_m3: {:?}, first_input: {} }}",
+                component(&segment.element),
+                segment.inertance_per_m,
+                segment.outlet_volume_m3,
+                segment.first_input
             )
         });
         table(text, "Segments whose law changes.", "ACTIVE", "Active", &self.active, debug);
@@ -140,12 +139,11 @@ impl Loaded {
             return;
         }
         table(text, "What the nodes hold.", "VOLUMES", "Volume", &climate.volumes, debug);
-        table(text, "What streams meet.", "STATIONS", "Station", &climate.stations, debug);
-        table(text, "Condensers.", "EXCHANGERS", "Exchanger", &climate.exchangers, debug);
-        table(text, "Sources.", "SOURCES", "Source", &climate.sources, debug);
-        table(text, "Crews.", "CREWS", "Crew", &climate.crews, debug);
-        table(text, "Removers.", "REMOVERS", "Remover", &climate.removers, debug);
-        table(text, "Walls.", "WALLS", "Wall", &climate.walls, debug);
+        table(text, "Placed components.", "COMPONENTS", "Placed", &climate.components, debug);
+        table(text, "Their kinds.", "TABLES", "Table", &climate.tables, |table| {
+            format!("Table::new::<::{}>({:?})", table.kind().path(), table.range)
+        });
+        table(text, "Passages of streams.", "PASSAGES", "Passage", &climate.passages, debug);
         table(text, "Control loops.", "LOOPS", "ControlLoop", &climate.loops, control);
     }
 
@@ -157,9 +155,8 @@ impl Loaded {
         }
         format!(
             "Climate {{\n            reference_k: {:?},\n            air: {:?},\n            coolant: {:?},\n            \
-             volumes: &VOLUMES,\n            stations: &STATIONS,\n            exchangers: &EXCHANGERS,\n            \
-             sources: &SOURCES,\n            crews: &CREWS,\n            removers: &REMOVERS,\n            \
-             walls: &WALLS,\n            loops: &LOOPS,\n        }}",
+             volumes: &VOLUMES,\n            components: &COMPONENTS,\n            tables: &TABLES,\n            \
+             passages: &PASSAGES,\n            loops: &LOOPS,\n        }}",
             climate.reference_k, climate.air, climate.coolant
         )
     }
@@ -171,7 +168,7 @@ impl Loaded {
              #[derive(Debug, Clone, Copy)]\n\
              pub struct Configured;\n\n\
              impl ::eclss_core::Compiled for Configured {{\n    \
-                 type Element = StdElement;\n    \
+                 type Element = AnyComponent;\n    \
                  const NETWORK: Network<'static> = Network {{\n        \
                      reference_pa: {:?},\n        nodes: &NODES,\n        lines: &LINES,\n        \
                      segments: &SEGMENTS,\n        active: &ACTIVE,\n        responsive: &RESPONSIVE,\n        \
@@ -202,6 +199,12 @@ fn control(control: &eclss_core::climate::ControlLoop) -> String {
         .replace("Thermostat(Thermostat {", "Thermostat(::eclss_core::control::Thermostat {")
         .replace(": inf", ": f32::INFINITY")
         .replace("{ output: ", "{ output: Output::")
+}
+
+/// A component as its type and parameters.
+fn component(component: &AnyComponent) -> String {
+    let parameters: Vec<f32> = component.parameters().map(|(_, value)| value).collect();
+    format!("AnyComponent::new::<::{}>(&{parameters:?})", component.path())
 }
 
 fn constant(text: &mut String, about: &str, name: &str, kind: &str, value: impl std::fmt::Display) {

@@ -54,7 +54,7 @@ pub(crate) fn all(network: &Network<'_>, names: &Names, inputs: &[OutputSpec]) -
             Owner::Node | Owner::Volume | Owner::Air => &names.nodes,
             Owner::Line | Owner::GasLine => &names.lines,
             Owner::Segment => &names.segments,
-            Owner::Exchanger => &names.exchangers,
+            Owner::Component => &names.components,
             Owner::Control => &names.controls,
             Owner::Input => {
                 let (name, spec) = (names.inputs.get(owner)?.clone(), *inputs.get(owner)?);

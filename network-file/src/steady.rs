@@ -28,8 +28,8 @@ mod memory;
 mod newton;
 mod response;
 
-use eclss_core::climate::{Climate, Source};
-use eclss_core::element::Element;
+use eclss_core::Climate;
+use eclss_core::Element;
 use eclss_core::{Network, NetworkError, NodeKind};
 
 use self::island::Islands;
@@ -198,26 +198,19 @@ impl Balance {
 
 /// What the sources of gas bring into `nodes` at these inputs.
 pub(crate) fn balance(climate: &Climate<'_>, inputs: &[f32], nodes: &[u32]) -> Balance {
-    let own = climate.sources.iter().filter(|source| nodes.contains(&source.node));
-    own.map(|source| gas_kg_s(*source, inputs)).fold(Balance::default(), |balance, flow| Balance {
+    let own = climate.gas_sources(inputs).filter(|(_, node, _)| nodes.contains(node));
+    own.map(|(_, _, flow)| f64::from(flow)).fold(Balance::default(), |balance, flow| Balance {
         sum: balance.sum + flow,
         size: balance.size + flow.abs(),
     })
 }
 
-/// What a source adds to the gas of its node at these inputs [kg/s]; liquid water and heat are none.
-pub(crate) fn gas_kg_s(source: Source, inputs: &[f32]) -> f64 {
-    let first = source.first_input as usize;
-    let gases = first + 1..first + Source::INPUTS.len() - 1;
-    inputs.get(gases).unwrap_or(&[]).iter().map(|value| f64::from(*value)).sum()
-}
-
-/// Gas that the sources of a network bring into every node at these inputs [kg/s].
+/// Gas that the components of a network bring into every node at these inputs [kg/s].
 fn supplied_kg_s<E>(network: &Network<'_, E>, inputs: &[f32]) -> Vec<f64> {
     let mut supplied = vec![0.0; network.nodes.len()];
-    for source in network.climate.sources {
-        if let Some(node) = supplied.get_mut(source.node as usize) {
-            *node += gas_kg_s(*source, inputs);
+    for (_, node, gas_kg_s) in network.climate.gas_sources(inputs) {
+        if let Some(node) = supplied.get_mut(node as usize) {
+            *node += f64::from(gas_kg_s);
         }
     }
     supplied

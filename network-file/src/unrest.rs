@@ -8,7 +8,7 @@ use eclss_core::NodeKind;
 
 use crate::loaded::Loaded;
 use crate::notes::Notes;
-use crate::steady::{SteadyError, balance, gas_kg_s, islands_without_boundary, steady};
+use crate::steady::{SteadyError, balance, islands_without_boundary, steady};
 
 /// Lines of the file where nodes and lines are named, counted from 1; empty for a network that was not read from text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -17,8 +17,8 @@ pub struct Places {
     pub nodes: Vec<usize>,
     /// Of every line.
     pub lines: Vec<usize>,
-    /// Of every source.
-    pub sources: Vec<usize>,
+    /// Of every placed component.
+    pub components: Vec<usize>,
 }
 
 /// Why a network does not come to rest.
@@ -35,17 +35,16 @@ pub struct Unrest {
 impl Places {
     pub(crate) fn new(loaded: &Loaded, notes: &Notes, text: &str) -> Self {
         let ends: Vec<usize> = text.match_indices('\n').map(|(byte, _)| byte).collect();
-        let all = |kind: &str, count: usize| {
-            let line = |index| {
-                let byte = notes.place(&format!("{kind}[{index}]"), &["id"]).start;
-                ends.partition_point(|&end| end < byte) + 1
-            };
-            (0..count).map(line).collect()
+        let line = |path: &str| {
+            let byte = notes.place(path, &["id"]).start;
+            ends.partition_point(|&end| end < byte) + 1
         };
+        let all =
+            |kind: &str, count: usize| (0..count).map(|index| line(&format!("{kind}[{index}]"))).collect();
         Self {
             nodes: all("node", loaded.nodes.len()),
             lines: all("line", loaded.lines.len()),
-            sources: all("source", loaded.climate.sources.len()),
+            components: loaded.climate.paths.iter().map(|path| line(path)).collect(),
         }
     }
 }
@@ -94,20 +93,20 @@ pub fn unrest(loaded: &Loaded) -> Vec<Unrest> {
         if balance(&network.climate, &loaded.inputs, &nodes).is_even() {
             continue;
         }
-        for (index, source) in loaded.climate.sources.iter().enumerate() {
-            let gas_kg_s = gas_kg_s(*source, &loaded.inputs);
-            let holds = network.nodes.get(source.node as usize).map(|node| node.kind);
+        for (index, node, gas_kg_s) in network.climate.gas_sources(&loaded.inputs) {
+            let holds = network.nodes.get(node as usize).map(|node| node.kind);
             let of_gas = matches!(holds, Some(NodeKind::Cabin { .. }));
-            if !of_gas || !nodes.contains(&source.node) || gas_kg_s.abs() < f64::MIN_POSITIVE {
+            if !of_gas || !nodes.contains(&node) || gas_kg_s.abs() < f32::MIN_POSITIVE {
                 continue;
             }
             let ids: Vec<_> =
                 nodes.iter().map(|&node| format!("`{}`", loaded.names.nodes[node as usize])).collect();
-            let id = loaded.file.sources.get(index).map_or("?", |part| part.id.as_str());
+            let id = loaded.names.components.get(index as usize).map_or("?", String::as_str);
+            let kind = network.climate.component(index).map_or("source", |(table, _)| table.kind().name());
             list.push(Unrest {
-                line: loaded.places.sources.get(index).copied(),
+                line: loaded.places.components.get(index as usize).copied(),
                 reason: format!(
-                    "no steady state: source `{id}` puts {gas_kg_s:.3e} kg/s into {}, which have no boundary; their \
+                    "no steady state: {kind} `{id}` puts {gas_kg_s:.3e} kg/s into {}, which have no boundary; their \
                      pressures change for ever",
                     ids.join(", ")
                 ),

@@ -1,10 +1,11 @@
 //! Every component can go wrong: each malfunction is an input that is there, follows a schedule, is commanded live, and
 //! acts. The table here is the one of `docs/network-file.md`.
 
+use crate::support::signal;
 use std::collections::BTreeSet;
 
 use crate::support::with_network;
-use eclss_core::climate::medium::{CARBON_DIOXIDE, OXYGEN};
+use eclss_core::fluid::medium::{CARBON_DIOXIDE, OXYGEN};
 use eclss_core::{Health, Simulator};
 use eclss_network_file::{Loaded, parse};
 
@@ -20,9 +21,7 @@ enum Shows {
     Humidity(&'static str),
     Liquid(&'static str),
     Input(&'static str),
-    AirHeat,
-    CoolantHeat,
-    Tank,
+    Signal(&'static str),
 }
 use Shows::*;
 
@@ -30,7 +29,6 @@ impl Shows {
     fn read(self, loaded: &Loaded, simulator: &Simulator<'_>) -> f32 {
         let index = |list: &[String], id: &str| list.iter().position(|name| name == id).expect(id);
         let air = |id: &str| simulator.air(index(&loaded.names.nodes, id)).expect(id);
-        let coil = || simulator.exchanger(0).expect("the coil");
         match self {
             Flow(line) => simulator.line_flow_kg_s(index(&loaded.names.lines, line)),
             Temperature(node) => simulator.node_temperature_k(index(&loaded.names.nodes, node)),
@@ -38,9 +36,7 @@ impl Shows {
             Humidity(node) => air(node).relative_humidity,
             Liquid(node) => air(node).liquid_kg,
             Input(name) => simulator.inputs()[index(&loaded.names.inputs, name)],
-            AirHeat => coil().heat_w,
-            CoolantHeat => coil().coolant_w,
-            Tank => coil().tank_kg,
+            Signal(name) => signal(loaded, simulator, name),
         }
     }
 }
@@ -57,10 +53,10 @@ const ROWS: [Row; 50] = [
     ("fan", "fan.speed", 0.7, Flow("loop"), false),
     ("pump", "pump.speed", 0.0, Flow("pumped"), false),
     ("condenser", "coil.opening", 0.1, Flow("loop"), false),
-    ("condenser", "coil.fouling", 0.9, AirHeat, false),
+    ("condenser", "coil.fouling", 0.9, Signal("coil.heat"), false),
     ("condenser", "coil.separator_efficiency", 0.0, Liquid("plenum"), true),
-    ("condenser", "coil.discharge", 0.0, Tank, false),
-    ("coolant_side", "coolant.opening", 0.02, CoolantHeat, false),
+    ("condenser", "coil.discharge", 0.0, Signal("coil.tank"), false),
+    ("coolant_side", "coolant.opening", 0.02, Signal("coil.coolant_heat"), false),
     ("interface_exchanger", "interface.opening", 0.02, Flow("back"), false),
     ("interface_exchanger", "interface.fouling", 0.9, Temperature("tank"), true),
     ("interface_exchanger", "interface.coolant_flow", 0.0, Temperature("tank"), true),
@@ -96,8 +92,8 @@ const ROWS: [Row; 50] = [
     ("control", "oxygen.sensor_bias", -15_000.0, Input("gases.oxygen"), true),
     ("control", "oxygen.sensor_fault", 2.0, Input("gases.oxygen"), true),
     ("control", "oxygen.actuator_fault", 2.0, Input("gases.oxygen"), true),
-    ("condenser", "own.coolant_flow", 0.0, CoolantHeat, false),
-    ("condenser", "own.coolant_temperature", 290.0, CoolantHeat, false),
+    ("condenser", "own.coolant_flow", 0.0, Signal("own.coolant_heat"), false),
+    ("condenser", "own.coolant_temperature", 290.0, Signal("own.coolant_heat"), false),
     ("heat_exchanger", "beside.opening", 0.02, Flow("loop"), false),
     ("bed", "beside.opening", 0.02, Flow("loop"), false),
 ];

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::support::with_network;
 use eclss_core::Health;
-use eclss_core::climate::medium::{GAS_CONSTANTS_J_KG_K, dot};
+use eclss_core::fluid::medium::{GAS_CONSTANTS_J_KG_K, dot};
 use eclss_network_file::Loaded;
 
 /// Two rooms between two boundaries, and a loop of coolant; pressures far from rest.

@@ -2,7 +2,7 @@
 //! at the end of the very step in which a source is turned on, however small the volume behind it.
 
 use crate::support::with_network;
-use eclss_core::climate::medium::NITROGEN;
+use eclss_core::fluid::medium::NITROGEN;
 use eclss_core::{Health, Strayed};
 use eclss_network_file::steady::steady;
 use eclss_network_file::{parse, unrest};

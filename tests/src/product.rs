@@ -1,8 +1,9 @@
 //! The product under test: the paper's loop with its valve schedule, and a run that lends it buffers.
 
+use eclss_core::components::Valve;
 use eclss_core::{
-    Active, BuildError, Element, Health, Interpolation, Line, Method, Network, Node, NodeKind, Plan,
-    Schedule, SchedulePoint, Segment, Settings, Simulator, StdElement, example,
+    Active, AnyComponent, BuildError, Element, Health, Interpolation, Line, Method, Network, Node, NodeKind,
+    Plan, Schedule, SchedulePoint, Segment, Settings, Simulator, example,
 };
 
 static RAMP: [SchedulePoint; 3] = [
@@ -79,7 +80,7 @@ pub fn reordered_loop(order: [usize; 6], flow_segment: usize, opening: f32) -> T
     let cabin = tables.node(Some(60.0), 0.0);
     tables.line((cabin, cabin), &elements, flow_segment, 0.0, 1e-3);
     for segment in &tables.segments {
-        if matches!(segment.element, StdElement::Valve(_)) {
+        if segment.element.is::<Valve>() {
             tables.inputs[segment.first_input as usize] = opening;
         }
     }
@@ -120,7 +121,7 @@ impl Tables {
     pub fn line(
         &mut self,
         (from, to): (u32, u32),
-        elements: &[StdElement],
+        elements: &[AnyComponent],
         flow_segment: usize,
         laminar_pa: f32,
         start_kg_s: f32,

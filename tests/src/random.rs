@@ -4,8 +4,8 @@ use crate::dice::Dice;
 use crate::laws;
 use crate::model::{Branch, Model};
 use crate::product::Tables;
-use eclss_core::element::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
-use eclss_core::{Element, NodeKind, StdElement};
+use eclss_core::components::{Bed, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve};
+use eclss_core::{AnyComponent, Element, NodeKind};
 
 /// Rg·T of the nodes [J/kg].
 const GAS_J_KG: f64 = 287.05 * 295.15;
@@ -94,7 +94,7 @@ impl Drawn {
         let count = dice.whole(1, 6);
         let stiff = dice.whole(0, count - 1);
         let mut others = 0.0;
-        let mut elements: Vec<StdElement> = (0..count)
+        let mut elements: Vec<AnyComponent> = (0..count)
             .map(|_| {
                 let resistance = dice.power_of_ten(limits.resistance.0, limits.resistance.1);
                 others += resistance;
@@ -104,13 +104,14 @@ impl Drawn {
         // Closed as far as an input may close it, the valve is the stiffest by far; open it still is.
         let resistance = others * dice.power_of_ten(limits.dominance.0, limits.dominance.1);
         elements[stiff] = if dice.chance(0.7) {
-            StdElement::Valve(Valve {
+            Valve {
                 open_resistance_pa_s2_kg2: resistance as f32,
                 exponent: dice.between(0.5, 3.0) as f32,
                 leakage_opening: 1e-3,
-            })
+            }
+            .into_any()
         } else {
-            StdElement::Pipe(Pipe { resistance_pa_s2_kg2: resistance as f32 })
+            Pipe::new(resistance as f32).into_any()
         };
         // Where mass is taken out ahead of it, the resistance that a laminar limit follows from depends on the
         // direction of flow.
@@ -159,7 +160,7 @@ fn draw_volume(dice: &mut Dice, ends: &[(u32, u32)], node: u32, limits: &Limits)
 }
 
 /// An element that loses about as much as a pipe of `resistance` [Pa·s²/kg²] at 0.05 kg/s.
-fn draw_element(dice: &mut Dice, resistance: f32, quadratic: bool) -> StdElement {
+fn draw_element(dice: &mut Dice, resistance: f32, quadratic: bool) -> AnyComponent {
     let linear = if quadratic { 0.0 } else { 0.02 * resistance };
     let curve = HeadCurve {
         shutoff_pa: dice.between(20.0, 400.0) as f32,
@@ -167,23 +168,26 @@ fn draw_element(dice: &mut Dice, resistance: f32, quadratic: bool) -> StdElement
         quadratic_pa_s2_kg2: 0.5 * resistance,
     };
     match dice.whole(0, if quadratic { 4 } else { 5 }) {
-        0 => StdElement::Fan(Fan { curve }),
-        1 => StdElement::Pump(Pump { curve }),
-        2 => StdElement::HeatExchanger(HeatExchanger {
+        0 => Fan::new(curve).into_any(),
+        1 => Pump::new(curve).into_any(),
+        2 => HeatExchanger {
             resistance_pa_s2_kg2: resistance,
             liquid_fraction: dice.between(0.0, 0.1) as f32,
             separator_efficiency: dice.between(0.5, 1.0) as f32,
-        }),
-        3 => StdElement::Bed(Bed {
+        }
+        .into_any(),
+        3 => Bed {
             resistance_pa_s2_kg2: resistance,
             mass_fraction: dice.between(0.0, 0.2) as f32,
             capture_efficiency: dice.between(0.1, 0.9) as f32,
-        }),
-        4 => StdElement::Pipe(Pipe { resistance_pa_s2_kg2: resistance }),
-        _ => StdElement::ReferencePipe(ReferencePipe {
+        }
+        .into_any(),
+        4 => Pipe::new(resistance).into_any(),
+        _ => ReferencePipe {
             pressure_drop_pa: resistance * 0.0025,
             mass_flow_kg_s: 0.05,
             exponent: dice.between(1.0, 2.0) as f32,
-        }),
+        }
+        .into_any(),
     }
 }

@@ -76,7 +76,7 @@ fn a_climate_is_written_to_the_bit() {
     let loaded = loaded("../networks/thcs.toml");
     // The id is a hash over every figure.
     assert_eq!(thcs::NETWORK.id(), loaded.network().id());
-    assert_eq!(thcs::NETWORK.climate.exchangers, loaded.network().climate.exchangers);
+    assert_eq!(thcs::NETWORK.climate.components, loaded.network().climate.components);
     assert_eq!(thcs::NETWORK.climate.loops, loaded.network().climate.loops);
 }
 

@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use crate::emulator::{MACHINES, measure, measure_day, run};
-use eclss_core::{Fingerprint, Health, Method, Network, StdElement};
+use eclss_core::components::Pipe;
+use eclss_core::{Fingerprint, Health, Method, Network};
 use eclss_network_file::Loaded;
 use eclss_tests::product::with_simulator;
 
@@ -127,8 +128,9 @@ fn the_firmware_of_a_board_ends_in_the_state_of_the_host() {
 fn one_flipped_bit_of_a_parameter_changes_the_values() {
     let mut flipped = paper();
     let before = on_the_host(&flipped.network(), Method::Relaxation);
-    let StdElement::Pipe(pipe) = &mut flipped.segments[0].element else { panic!("the first is the intake") };
+    let mut pipe = flipped.segments[0].element.get::<Pipe>().expect("the first is the intake");
     pipe.resistance_pa_s2_kg2 = f32::from_bits(pipe.resistance_pa_s2_kg2.to_bits() ^ 1);
+    flipped.segments[0].element = pipe.into_any();
     let after = on_the_host(&flipped.network(), Method::Relaxation);
     assert!(before.id != after.id && before.values != after.values, "{before:?} {after:?}");
 }

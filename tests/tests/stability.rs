@@ -1,9 +1,9 @@
 //! Eigenvalues of one step of the paper's loop, without and with the operator, and the margin that the
 //! product reports while it runs.
 
-use eclss_core::element::Pipe;
+use eclss_core::components::Pipe;
 use eclss_core::operator::FlowRow;
-use eclss_core::{Health, Method, Network, Proof, StdElement, example};
+use eclss_core::{Health, Method, Network, Proof, example};
 use eclss_tests::dice::Dice;
 use eclss_tests::random::{Drawn, Limits};
 use eclss_tests::spectrum::{line_jacobian, paper_edge, paper_radius, step_radius};
@@ -188,7 +188,7 @@ fn the_live_bound_holds_in_the_laminar_range() -> Outcome {
     // Below `laminar_below_pa` the slope of the loss is half of what 2·R·|w| says at the limit.
     let mut tables = product::Tables::default();
     let ends = (tables.node(None, 1e-4), tables.node(None, 0.0));
-    let pipe = |resistance_pa_s2_kg2| StdElement::Pipe(Pipe { resistance_pa_s2_kg2 });
+    let pipe = |resistance_pa_s2_kg2| Pipe::new(resistance_pa_s2_kg2).into_any();
     tables.line(ends, &[pipe(1e-3), pipe(5.0)], 1, 0.01, 0.0);
     let (flow, margin) =
         product::with_simulator(&tables.network(), Method::Relaxation, 1_000, |simulator| {

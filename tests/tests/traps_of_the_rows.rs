@@ -1,6 +1,6 @@
 //! Traps in how a line's rows are written: each test shows the wrong way failing and the product's holding.
 
-use eclss_core::{BuildError, Health, Method, MethodError, StdElement, example};
+use eclss_core::{BuildError, Health, Method, MethodError, example};
 use eclss_tests::model::{Branch, Model};
 use eclss_tests::product::{self, Tables};
 use eclss_tests::spectrum::{line_jacobian, phi, step_radius};
@@ -154,7 +154,7 @@ fn row_pressures_count_from_the_lines_own_inlet() -> Outcome {
 
 /// Two supplies at ±50 Pa with a chamber of `volume_m3` between them, each line a short pipe and a valve.
 fn chamber(volume_m3: f32) -> (Tables, Model) {
-    let pipe = |resistance_pa_s2_kg2| StdElement::Pipe(eclss_core::element::Pipe { resistance_pa_s2_kg2 });
+    let pipe = |resistance_pa_s2_kg2| eclss_core::components::Pipe::new(resistance_pa_s2_kg2).into_any();
     let elements = [pipe(5.0), pipe(50.0)];
     let mut tables = Tables::default();
     let (high, low) = (tables.node(None, 50.0), tables.node(None, -50.0));

@@ -1,12 +1,11 @@
 //! Where the climate keeps its numbers: state and work buffer, cut into rows, for writing and for reading.
 
-use super::books::{Books, LEDGER, Outside};
-use super::condenser::{CELLS, Cells, WallFigures, WallStates};
-use super::exchanger::{SHOWN, STORES};
-use super::medium::{PARTS, Parts};
-use super::volume::{Figures, STORED, Start, Stored};
+use super::volume::{Figures, Start};
 use super::{Climate, ControlLoop, density};
 use crate::Network;
+use crate::component::Range;
+use crate::fluid::books::{Books, LEDGER, Outside};
+use crate::fluid::{PARTS, Parts, STORED, Stored};
 use crate::method::common::Cut;
 
 /// State of one loop: sensor, controller, actuator.
@@ -18,15 +17,16 @@ pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
     if climate.is_none() {
         return (0, 0);
     }
-    let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());
-    let state = 4 * STORED * nodes
-        + exchangers * (4 * CELLS + STORES)
-        + 2 * climate.walls.len()
-        + LOOP * climate.loops.len()
-        + LEDGER * STORED;
-    let work =
-        nodes * (2 * STORED + PARTS + 6 + 2 + 2) + exchangers * (3 * CELLS + SHOWN) + 2 * network.lines.len();
+    let (nodes, [own_state, own_scratch]) = (climate.volumes.len(), blocks(climate));
+    let state = 4 * STORED * nodes + own_state + LOOP * climate.loops.len() + LEDGER * STORED;
+    let work = nodes * (2 * STORED + PARTS + 6 + 2 + 2) + own_scratch + 2 * network.lines.len();
     (state, work + density::kept(network))
+}
+
+/// Lengths of state and scratch of all placed components.
+fn blocks(climate: &Climate<'_>) -> [usize; 2] {
+    let end = climate.tables.last().map_or(Range::default(), |table| table.behind(0));
+    [end.first_state as usize, end.first_scratch as usize]
 }
 
 /// State and work buffer of a climate, cut for one step.
@@ -59,9 +59,8 @@ pub(super) struct State<'s> {
     pub(super) carry: &'s mut [Stored],
     pub(super) owed: &'s mut [Stored],
     pub(super) owed_carry: &'s mut [Stored],
-    pub(super) coils: &'s mut [WallStates],
-    pub(super) stores: &'s mut [[f32; STORES]],
-    pub(super) walls: &'s mut [[f32; 2]],
+    /// Of all placed components.
+    pub(super) components: &'s mut [f32],
     pub(super) loops: &'s mut [[f32; LOOP]],
     pub(super) outside: Outside<'s>,
 }
@@ -70,16 +69,14 @@ impl<'s> State<'s> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
     pub(super) fn of(climate: &Climate<'_>, buffer: &'s mut [f32]) -> Self {
-        let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());
+        let (nodes, [own, _]) = (climate.volumes.len(), blocks(climate));
         let cut = &mut Cut(buffer);
         Self {
             value: cut.take_rows(nodes),
             carry: cut.take_rows(nodes),
             owed: cut.take_rows(nodes),
             owed_carry: cut.take_rows(nodes),
-            coils: cut.take_rows::<CELLS>(4 * exchangers).as_chunks_mut().0,
-            stores: cut.take_rows(exchangers),
-            walls: cut.take_rows(climate.walls.len()),
+            components: cut.take(own),
             loops: cut.take_rows(climate.loops.len()),
             outside: Outside(cut.take_rows(LEDGER)),
         }
@@ -93,8 +90,8 @@ pub(super) struct Work<'w> {
     pub(super) figures: &'w mut [Figures],
     /// Mass that came in and went out in the last step [kg].
     pub(super) passed: &'w mut [[f32; 2]],
-    pub(super) coils: &'w mut [WallFigures],
-    pub(super) shown: &'w mut [[f32; SHOWN]],
+    /// Of all placed components.
+    pub(super) scratch: &'w mut [f32],
     /// What every line had given before this step, and its carry [kg].
     pub(super) given: &'w mut [[f32; 2]],
     pub(super) start: &'w mut [Start],
@@ -107,15 +104,14 @@ impl<'w> Work<'w> {
     #[allow(clippy::inline_always, reason = "lengths that the compiler may know")]
     pub(super) fn of<E>(network: &Network<'_, E>, buffer: &'w mut [f32]) -> Self {
         let climate = &network.climate;
-        let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());
+        let (nodes, [_, own]) = (climate.volumes.len(), blocks(climate));
         let cut = &mut Cut(buffer);
         Self {
             books: Books { net: cut.take_rows(nodes), lost: cut.take_rows(nodes) },
             fractions: cut.take_rows(nodes),
             figures: cut.take_rows(nodes),
             passed: cut.take_rows(nodes),
-            coils: cut.take_rows::<CELLS>(3 * exchangers).as_chunks_mut().0,
-            shown: cut.take_rows(exchangers),
+            scratch: cut.take(own),
             given: cut.take_rows(network.lines.len()),
             start: cut.take_rows(nodes),
             virtual_k: cut.take(density::kept(network)),
@@ -129,56 +125,54 @@ pub(super) struct Seen<'o> {
     pub(super) carry: &'o [Stored],
     pub(super) owed: &'o [Stored],
     pub(super) owed_carry: &'o [Stored],
-    pub(super) coils: &'o [WallStates],
-    pub(super) stores: &'o [[f32; STORES]],
-    pub(super) walls: &'o [[f32; 2]],
+    pub(super) components: &'o [f32],
     pub(super) loops: &'o [[f32; LOOP]],
     pub(super) ledger: &'o [Stored],
     pub(super) fractions: &'o [Parts],
     pub(super) figures: &'o [Figures],
     pub(super) passed: &'o [[f32; 2]],
-    pub(super) shown: &'o [[f32; SHOWN]],
+    pub(super) scratch: &'o [f32],
 }
 
 /// Cuts a buffer for reading; parts that do not fit come out empty.
 struct Look<'b>(&'b [f32]);
 
 impl<'b> Look<'b> {
-    fn rows<const N: usize>(&mut self, rows: usize) -> &'b [[f32; N]] {
-        let (part, rest) = self.0.split_at_checked(rows * N).unwrap_or((&[], &[]));
+    fn words(&mut self, length: usize) -> &'b [f32] {
+        let (part, rest) = self.0.split_at_checked(length).unwrap_or((&[], &[]));
         self.0 = rest;
-        part.as_chunks().0
+        part
+    }
+
+    fn rows<const N: usize>(&mut self, rows: usize) -> &'b [[f32; N]] {
+        self.words(rows * N).as_chunks().0
     }
 }
 
 impl<'o> Seen<'o> {
     pub(super) fn of(climate: &Climate<'_>, state: &'o [f32], work: &'o [f32]) -> Self {
-        let (nodes, exchangers) = (climate.volumes.len(), climate.exchangers.len());
+        let (nodes, [own_state, own_scratch]) = (climate.volumes.len(), blocks(climate));
         let (state, work) = (&mut Look(state), &mut Look(work));
         let (value, carry) = (state.rows(nodes), state.rows(nodes));
         let (owed, owed_carry) = (state.rows(nodes), state.rows(nodes));
-        let (coils, stores) = (state.rows::<CELLS>(4 * exchangers).as_chunks().0, state.rows(exchangers));
-        let walls = state.rows(climate.walls.len());
+        let components = state.words(own_state);
         let loops = state.rows(climate.loops.len());
         let ledger = state.rows(LEDGER);
         let _: [&[Stored]; 2] = [work.rows(nodes), work.rows(nodes)];
         let (fractions, figures, passed) = (work.rows(nodes), work.rows(nodes), work.rows(nodes));
-        let _: &[Cells] = work.rows(3 * exchangers);
-        let shown = work.rows(exchangers);
+        let scratch = work.words(own_scratch);
         Self {
             value,
             carry,
             owed,
             owed_carry,
-            coils,
-            stores,
-            walls,
+            components,
             loops,
             ledger,
             fractions,
             figures,
             passed,
-            shown,
+            scratch,
         }
     }
 }

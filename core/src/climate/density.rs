@@ -8,8 +8,8 @@
 //! Fundamentals, psychrometrics), here for every part of the air.
 
 use super::Climate;
-use super::medium::{GAS_CONSTANTS_J_KG_K, Parts, dot};
 use super::volume::{Contents, Figures};
+use crate::fluid::medium::{GAS_CONSTANTS_J_KG_K, Parts, dot};
 use crate::{Network, air};
 
 /// Nodes whose virtual temperature is kept: all, where a line responds to density or temperature.

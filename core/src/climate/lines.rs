@@ -2,14 +2,16 @@
 
 use super::Climate;
 use super::buffers::{State, Work};
-use super::coils::{clean, coil};
-use super::medium::{LIQUID, Medium, NITROGEN};
-use super::parts::{Passage, Station};
-use super::step::{Given, Stepped, input};
-use super::stream::Stream;
-use super::volume::{Contents, ENERGY, LEAST_K, MOST_K, Stored};
+use super::step::{Given, Stepped};
+use super::supply::own_blocks;
+use super::volume::Contents;
+use crate::component::{Block, Passage, Passing, StepContext};
+use crate::fluid::Stream;
+use crate::fluid::books::{Accounts, Books, Outside};
+use crate::fluid::medium::NITROGEN;
+use crate::fluid::stream::{ENERGY, Stored};
 use crate::unroll::every;
-use crate::{Line, Network, math};
+use crate::{Line, Network};
 
 /// A stream of air as a row; taken where `sign` is −1, with the same numbers.
 #[inline(always)]
@@ -29,16 +31,16 @@ pub(super) fn move_lines<E, const UNROLL: bool>(
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
-    let mut stations = network.climate.stations;
+    let mut passages = network.climate.passages;
+    let step = network.climate.context(at.step_s, at.inputs);
     every!(UNROLL, 0..network.lines.len(), index => {
         if let Some(line) = network.lines.get(index) {
-            let own = |station: &&Station| station.line as usize == index;
-            // A compiler that knows the description finds a line's own among all.
-            let count = if UNROLL { 0 } else { stations.iter().take_while(own).count() };
-            let (here, rest) = stations.split_at_checked(count).unwrap_or((&[], &[]));
-            stations = rest;
+            let own = |passage: &&Passage| passage.line as usize == index;
+            let count = passages.iter().take_while(own).count();
+            let (here, rest) = passages.split_at_checked(count).unwrap_or((&[], &[]));
+            passages = rest;
             if let Some(moved) = moved_kg(given, index, work) {
-                move_line::<E, UNROLL>(network, at, (index, line), moved, here, state, work);
+                move_line(network, &step, line, moved, here, state, work);
             }
         }
     });
@@ -57,33 +59,33 @@ fn moved_kg(given: Given<'_>, index: usize, work: &mut Work<'_>) -> Option<f32> 
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn move_line<E, const UNROLL: bool>(
+fn move_line<E>(
     network: &Network<'_, E>,
-    at: Stepped<'_>,
-    (index, line): (usize, &Line),
+    step: &StepContext<'_>,
+    line: &Line,
     moved: f32,
-    here: &[Station],
+    here: &[Passage],
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
     let (from, to) = (line.from as usize, line.to as usize);
-    // Said twice, both ends are known where the description is.
+    // Spelled out per direction so that both node indices are constants in a compiled-in network.
     if moved < 0.0 {
-        carry_over::<E, UNROLL, true>(network, at, (to, from), -moved, (index, here), state, work);
+        carry_over::<E, true>(network, step, (to, from), -moved, here, state, work);
     } else {
-        carry_over::<E, UNROLL, false>(network, at, (from, to), moved, (index, here), state, work);
+        carry_over::<E, false>(network, step, (from, to), moved, here, state, work);
     }
 }
 
 /// Carries `mass` [kg] from the volume `up` to the volume `down`.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn carry_over<E, const UNROLL: bool, const REVERSED: bool>(
+fn carry_over<E, const REVERSED: bool>(
     network: &Network<'_, E>,
-    at: Stepped<'_>,
+    step: &StepContext<'_>,
     (up, down): (usize, usize),
     mass: f32,
-    here: (usize, &[Station]),
+    here: &[Passage],
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) {
@@ -99,31 +101,20 @@ fn carry_over<E, const UNROLL: bool, const REVERSED: bool>(
     figures[4] += mass;
     let [theta, pressure_pa, ..] = *figures;
     let medium = volume.medium(&climate.air, &climate.coolant);
-    let way = Way { medium, pressure_pa, reversed: REVERSED };
+    let way = Passing { side: 0, medium, pressure_pa, reversed: REVERSED };
     if volume.contents == Contents::Air {
         let mut stream = Stream::of(mass, fractions, theta, &climate.air);
         work.books.add_flow(up, &row(&stream, -1.0));
-        let left = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, way, state, work);
+        let left = meet(climate, step, here, &mut stream, way, state, work);
         stream.energy_j += share(left, up, work);
         work.books.add_flow(down, &row(&stream, 1.0));
     } else {
         let mut stream = Stream::of_coolant(mass, theta, &climate.coolant);
         work.books.add(up, [NITROGEN, ENERGY], [-mass, -stream.energy_j]);
-        let left = meet::<UNROLL, REVERSED>(climate, at, here, &mut stream, way, state, work);
+        let left = meet(climate, step, here, &mut stream, way, state, work);
         stream.energy_j += share(left, up, work);
         work.books.add(down, [NITROGEN, ENERGY], [mass, stream.energy_j]);
     }
-}
-
-/// How a stream passes a line.
-#[derive(Clone, Copy)]
-struct Way<'m> {
-    /// What it is.
-    medium: &'m Medium,
-    /// Pressure of the volume upstream [Pa].
-    pressure_pa: f32,
-    /// Whether it flows against the line's direction.
-    reversed: bool,
 }
 
 /// Heat that a stream could not carry warms both ends of its line alike: nothing carries it either way. Returns what goes to
@@ -138,130 +129,88 @@ fn share(left_j: f32, up: usize, work: &mut Work<'_>) -> f32 {
     half
 }
 
-/// Gives a stream heat, as far as it then stays within the temperatures that are followed. Returns what it cannot carry [J].
+/// Lets a stream pass the components of its line. Returns the heat that it could not carry [J].
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn warm(climate: &Climate<'_>, heat_j: f32, medium: &Medium, stream: &mut Stream) -> f32 {
-    let capacity = stream.capacity_j_k(medium);
-    let sensible = stream.energy_j + stream.mass_kg[LIQUID] * medium.latent_j_kg;
-    let most = capacity * (MOST_K - climate.reference_k) - sensible;
-    let least = capacity * (LEAST_K - climate.reference_k) - sensible;
-    let carried = math::larger(math::smaller(least, 0.0), math::smaller(math::larger(most, 0.0), heat_j));
-    stream.energy_j += carried;
-    heat_j - carried
-}
-
-/// What a stream meets on its way along a line: what is `here`, or for a description that the compiler knows, what of
-/// all stations is on this line. Returns the heat that it could not carry [J].
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of the loop over lines")]
-fn meet<const UNROLL: bool, const REVERSED: bool>(
+fn meet(
     climate: &Climate<'_>,
-    at: Stepped<'_>,
-    (line, here): (usize, &[Station]),
+    step: &StepContext<'_>,
+    here: &[Passage],
     stream: &mut Stream,
-    way: Way<'_>,
+    way: Passing<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
 ) -> f32 {
-    let mut left = 0.0;
-    if !UNROLL {
-        if here.is_empty() {
-            return left;
-        }
-        return meet_apart(climate, at, here, stream, way, state, work);
+    if here.is_empty() {
+        return 0.0;
     }
-    let stations = climate.stations;
-    every!(UNROLL, 0..stations.len(), place => {
-        let place = if REVERSED { stations.len() - 1 - place } else { place };
-        if let Some(station) = stations.get(place)
-            && station.line as usize == line
-        {
-            left += pass(climate, at, &station.passage, stream, way, state, work);
-        }
-    });
-    left
-}
-
-/// A function of its own, which most lines do not call.
-#[inline]
-fn meet_apart(
-    climate: &Climate<'_>,
-    at: Stepped<'_>,
-    here: &[Station],
-    stream: &mut Stream,
-    way: Way<'_>,
-    state: &mut State<'_>,
-    work: &mut Work<'_>,
-) -> f32 {
     let mut left = 0.0;
     for place in 0..here.len() {
         let place = if way.reversed { here.len() - 1 - place } else { place };
-        if let Some(station) = here.get(place) {
-            left += pass(climate, at, &station.passage, stream, way, state, work);
+        if let Some(passage) = here.get(place) {
+            left += pass(climate, step, passage, stream, way, state, work).unwrap_or(0.0);
         }
     }
     left
 }
 
-/// What a stream meets at one station. Returns the heat that it cannot carry [J].
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+/// Lets a stream pass one component. Returns the heat that it cannot carry [J].
 fn pass(
     climate: &Climate<'_>,
-    at: Stepped<'_>,
+    step: &StepContext<'_>,
     passage: &Passage,
     stream: &mut Stream,
-    way: Way<'_>,
+    way: Passing<'_>,
     state: &mut State<'_>,
     work: &mut Work<'_>,
-) -> f32 {
-    match *passage {
-        Passage::Machine { power_w, speed_input } => {
-            let speed = input(at.inputs, speed_input);
-            let heat = power_w * speed * speed * speed * at.step_s;
-            state.outside.supply_heat(heat);
-            return warm(climate, heat, way.medium, stream);
-        }
-        Passage::Heater { power_input } => {
-            let heat = input(at.inputs, power_input) * at.step_s;
-            state.outside.supply_heat(heat);
-            return warm(climate, heat, way.medium, stream);
-        }
-        Passage::Condenser(of) => {
-            let index = of as usize;
-            let before = *stream;
-            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
-                coil.pass_air(stream, at.step_s, way.pressure_pa, way.reversed);
-            }
-            if let Some([heat, water, theta, _]) = work.shown.get_mut(index) {
-                *water = before.vapour_kg() - stream.vapour_kg();
-                *theta = stream.theta_k(&climate.air);
-                // What condenses leaves as a liquid, which lies below its vapour by the evaporation enthalpy.
-                let liquid = climate.air.flowing_j_kg_k[LIQUID] * *theta - climate.air.latent_j_kg;
-                *heat = (before.energy_j - stream.energy_j) - *water * liquid;
-            }
-        }
-        Passage::LiquidSide(of) => {
-            let index = of as usize;
-            let before = stream.energy_j;
-            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
-                coil.pass_liquid(stream, at.step_s, &climate.coolant, way.reversed);
-            }
-            if let Some([heat, _, theta, _]) = work.shown.get_mut(index) {
-                (*heat, *theta) = (before - stream.energy_j, stream.theta_k(&climate.coolant));
-            }
-        }
-        Passage::CoolantSide(of) => {
-            let index = of as usize;
-            let before = stream.energy_j;
-            if let Some(mut coil) = coil(climate, clean(climate, at, index), index, state.coils, work.coils) {
-                coil.pass_coolant(stream, at.step_s, &climate.coolant);
-            }
-            if let Some([_, _, _, taken]) = work.shown.get_mut(index) {
-                *taken = stream.energy_j - before;
-            }
+) -> Option<f32> {
+    let table = climate.tables.get(passage.table as usize)?;
+    let placed = climate.components.get(passage.component as usize)?;
+    let kind = table.kind();
+    let place = (passage.component - table.range.first) as usize;
+    let [state_words, scratch_words] = kind.blocks();
+    let Block { state: own, scratch } = own_blocks(table, state.components, work.scratch);
+    let block = Block {
+        state: own.get_mut(place * state_words..(place + 1) * state_words)?,
+        scratch: scratch.get_mut(place * scratch_words..(place + 1) * scratch_words)?,
+    };
+    let heat = kind.pass(placed, step, &Passing { side: passage.side, ..way }, block, stream);
+    if heat.outside_j != 0.0 {
+        state.outside.supply_heat(heat.outside_j);
+    }
+    Some(heat.left_j)
+}
+
+/// Runs the components that work before the streams of a step pass.
+pub(super) fn begin(
+    climate: &Climate<'_>,
+    step: &StepContext<'_>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    for table in climate.tables {
+        let kind = table.kind();
+        if let [_, true] = kind.acts() {
+            kind.begin(climate.placed_of(table), step, own_blocks(table, state.components, work.scratch));
         }
     }
-    0.0
+}
+
+/// Runs the components that work after the streams of a step have passed.
+pub(super) fn settle(
+    climate: &Climate<'_>,
+    step: &StepContext<'_>,
+    state: &mut State<'_>,
+    work: &mut Work<'_>,
+) {
+    let Books { net, lost } = &mut work.books;
+    let mut accounts = Accounts::new(Books { net, lost }, Outside(state.outside.0));
+    for table in climate.tables {
+        let kind = table.kind();
+        if let [_, true] = kind.acts() {
+            let blocks = own_blocks(table, state.components, work.scratch);
+            kind.settle(climate.placed_of(table), step, blocks, &mut accounts);
+        }
+    }
+    accounts.close();
 }

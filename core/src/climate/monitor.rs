@@ -6,7 +6,7 @@
 //! The mean over an hour is one of sixty means over a minute.
 
 use super::Readings;
-use super::medium::{CARBON_DIOXIDE, OXYGEN, VAPOUR};
+use crate::fluid::medium::{CARBON_DIOXIDE, OXYGEN, VAPOUR};
 
 /// A millimetre of mercury [Pa].
 pub const MMHG_PA: f32 = 133.322;

@@ -1,12 +1,12 @@
 //! Reads what a climate holds and shows, for reports, records and ledgers.
 
 use super::buffers::{Seen, Work};
-use super::condenser::{Cells, WallStates};
-use super::exchanger::{SHOWN, STORES};
-use super::medium::{self, CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
 use super::monitor::{Broken, FOGGED, Limit};
-use super::volume::{self, Contents, ENERGY, Figures, LEAST_FRACTION};
-use super::{Climate, ExchangerReadings, Volume};
+use super::volume::{self, Contents, Figures, LEAST_FRACTION};
+use super::{Climate, Volume};
+use crate::component::{Placed, Seen as Block, Table};
+use crate::fluid::medium::{self, CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
+use crate::fluid::{ENERGY, STORED};
 use crate::moist;
 use crate::signal::{self, Owner, Signal};
 use crate::simulator::{Excursion, Strayed};
@@ -54,24 +54,23 @@ pub struct Readings {
     pub mixed: bool,
 }
 
-/// Rows that figures of volumes and exchangers are read from, within a step or after it.
+/// Rows that figures of volumes and placed components are read from, within a step or after it.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'r> {
     figures: &'r [Figures],
     fractions: &'r [Parts],
     passed: &'r [[f32; 2]],
-    coils: &'r [WallStates],
-    stores: &'r [[f32; STORES]],
-    shown: &'r [[f32; SHOWN]],
+    components: &'r [f32],
+    scratch: &'r [f32],
 }
 
 impl<'r> Rows<'r> {
-    pub(super) fn of(work: &'r Work<'_>, coils: &'r [WallStates], stores: &'r [[f32; STORES]]) -> Self {
-        let Work { figures, fractions, passed, shown, .. } = work;
-        Self { figures, fractions, passed, coils, stores, shown }
+    pub(super) fn of(work: &'r Work<'_>, components: &'r [f32]) -> Self {
+        let Work { figures, fractions, passed, scratch, .. } = work;
+        Self { figures, fractions, passed, components, scratch }
     }
 
-    /// A figure of a volume or an exchanger; NaN for any other.
+    /// A figure of a volume or a placed component; NaN for any other.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a sensor of a step that may be specialised")]
     pub(super) fn read(self, climate: &Climate<'_>, step_s: f32, signal: Signal) -> f32 {
@@ -80,10 +79,28 @@ impl<'r> Rows<'r> {
             Owner::Volume | Owner::Air => self
                 .volume(climate, step_s, owner)
                 .map_or(f32::NAN, |volume| signal::volume(signal.output, &volume, item)),
-            Owner::Exchanger => self
-                .exchanger(climate, step_s, owner)
-                .map_or(f32::NAN, |exchanger| signal::exchanger(signal.output, &exchanger)),
+            Owner::Component => climate.component(signal.owner).map_or(f32::NAN, |(table, placed)| {
+                let step = climate.context(step_s, &[]);
+                signal::component(
+                    signal.output,
+                    table.kind().output(item, placed, &step, self.block(signal.owner, table)),
+                )
+            }),
             _ => f32::NAN,
+        }
+    }
+
+    /// State and scratch of placed component `index`, one of `table`.
+    fn block(self, index: u32, table: &Table) -> Block<'r> {
+        let place = index.saturating_sub(table.range.first) as usize;
+        let [state, scratch] = table.kind().blocks();
+        let cut = |words: &'r [f32], first: u32, length: usize| {
+            let first = first as usize + place * length;
+            words.get(first..first + length).unwrap_or(&[])
+        };
+        Block {
+            state: cut(self.components, table.range.first_state, state),
+            scratch: cut(self.scratch, table.range.first_scratch, scratch),
         }
     }
 
@@ -96,11 +113,6 @@ impl<'r> Rows<'r> {
             reference_k: climate.reference_k,
             step_s,
         })
-    }
-
-    fn exchanger(self, climate: &Climate<'_>, step_s: f32, index: usize) -> Option<ExchangerReadings> {
-        let (walls, stores) = (self.coils.get(index)?, self.stores.get(index)?);
-        Some(ExchangerReadings::of(stores, self.shown.get(index)?, walls, climate.reference_k, step_s))
     }
 }
 
@@ -127,7 +139,7 @@ impl VolumeView<'_> {
 
     /// Partial pressure of a part [Pa].
     pub(crate) fn partial_pa(&self, part: usize) -> f32 {
-        volume::partial_pressure_pa(part, self.fractions, self.pressure_pa())
+        medium::partial_pressure_pa(part, self.fractions, self.pressure_pa())
     }
 
     /// Dew point [K].
@@ -193,11 +205,11 @@ impl<'o, 'n> Observed<'o, 'n> {
     }
 
     fn rows(&self) -> Rows<'_> {
-        let Seen { figures, fractions, passed, coils, stores, shown, .. } = self.seen;
-        Rows { figures, fractions, passed, coils, stores, shown }
+        let Seen { figures, fractions, passed, components, scratch, .. } = self.seen;
+        Rows { figures, fractions, passed, components, scratch }
     }
 
-    /// A figure of a volume or an exchanger.
+    /// A figure of a volume or a placed component.
     pub(crate) fn read(&self, signal: Signal) -> f32 {
         self.rows().read(self.climate, self.step_s, signal)
     }
@@ -283,16 +295,22 @@ impl<'o, 'n> Observed<'o, 'n> {
         Some((NITROGEN..=LIQUID).map(|part| f64::from(value[part]) - f64::from(carry[part])).sum())
     }
 
-    /// What an exchanger shows.
-    pub(crate) fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
-        self.rows().exchanger(self.climate, self.step_s, index)
+    /// Masses and energy that all placed components hold beyond their start.
+    fn held_by_components(&self) -> [f64; STORED] {
+        let mut sums = [0.0; STORED];
+        let rows = self.rows();
+        for table in self.climate.tables {
+            let placed: &[Placed] = self.climate.placed_of(table);
+            for (index, placed) in (table.range.first..).zip(placed) {
+                let held = table.kind().holds(&placed.row, rows.block(index, table).state);
+                sums.iter_mut().zip(held).for_each(|(sum, held)| *sum += held);
+            }
+        }
+        sums
     }
 
     /// The ledgers: gases, water, coolant, energy.
     pub(crate) fn ledgers(&self) -> [Ledger; 7] {
-        let sum = |pair: &[f32]| {
-            pair.first().map_or(0.0, |a| f64::from(*a)) - pair.get(1).map_or(0.0, |b| f64::from(*b))
-        };
         let stored = |place: usize, contents: Option<Contents>| {
             let mut held = 0.0;
             for (index, volume) in self.climate.volumes.iter().enumerate() {
@@ -327,19 +345,14 @@ impl<'o, 'n> Observed<'o, 'n> {
             supplied,
             turned_over,
         };
-        let gas = |name, part| ledger(name, "kg", stored(part, Some(Contents::Air)), booked(&[part]));
-        let of_cells = |[sums, carries]: [&Cells; 2]| {
-            sums.iter().zip(carries).map(|(sum, carry)| f64::from(*sum) - f64::from(*carry)).sum::<f64>()
-        };
-        let film: f64 = self.seen.coils.iter().map(|[_, _, film, carry]| of_cells([film, carry])).sum();
-        let mut water = stored(VAPOUR, Some(Contents::Air)) + stored(LIQUID, Some(Contents::Air)) + film;
-        let mut energy = stored(ENERGY, None);
-        energy += self.seen.coils.iter().map(|[energy, carry, ..]| of_cells([energy, carry])).sum::<f64>();
-        energy += self.seen.walls.iter().map(|wall| sum(wall)).sum::<f64>();
-        for store in self.seen.stores {
-            water += sum(&store[..2]) + sum(&store[2..4]) + sum(&store[4..6]);
-            energy += sum(&store[6..8]) + sum(&store[8..10]);
-        }
+        let own = self.held_by_components();
+        let gas =
+            |name, part| ledger(name, "kg", stored(part, Some(Contents::Air)) + own[part], booked(&[part]));
+        let water = stored(VAPOUR, Some(Contents::Air))
+            + stored(LIQUID, Some(Contents::Air))
+            + own[VAPOUR]
+            + own[LIQUID];
+        let energy = stored(ENERGY, None) + own[ENERGY];
         [
             gas("nitrogen", NITROGEN),
             gas("oxygen", OXYGEN),

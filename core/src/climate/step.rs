@@ -1,14 +1,14 @@
 //! One step of everything beside the flows.
 
 use super::buffers::{Running, State, Work};
-use super::coils::{begin_coils, settle_coils};
-use super::lines::move_lines;
+use super::lines::{begin, move_lines, settle};
 use super::observe::Rows;
-use super::supply::{pass_walls, supply_volumes};
+use super::supply::own_blocks;
+pub(crate) use super::supply::supply;
 use super::volume::{Constants, Held, LEAST_FRACTION};
 use super::{ControlLoop, density};
+use crate::component::Element;
 use crate::control::{ActuatorFault, SensorFault};
-use crate::element::Element;
 use crate::simulator::{Fault, Place};
 use crate::unroll::every;
 use crate::{Network, math};
@@ -49,10 +49,12 @@ pub(crate) fn start<E>(network: &Network<'_, E>, state: &mut [f32], work: &mut [
         }
     }
     density::derive(network, work.figures, work.fractions, work.virtual_k);
-    for (exchanger, shown) in climate.exchangers.iter().zip(work.shown.iter_mut()) {
-        shown[2] = exchanger.start_k - climate.reference_k;
+    let step = climate.context(1.0, inputs);
+    for table in climate.tables {
+        let blocks = own_blocks(table, state.components, work.scratch);
+        table.kind().start(climate.placed_of(table), &step, blocks);
     }
-    let rows = Rows::of(&work, state.coils, state.stores);
+    let rows = Rows::of(&work, state.components);
     for (control, state) in climate.loops.iter().zip(state.loops) {
         // Nothing has passed yet, so the step does not count.
         let measured = rows.read(climate, 1.0, control.measures);
@@ -78,7 +80,7 @@ pub(crate) fn control<E, const UNROLL: bool>(
 ) {
     let climate = &network.climate;
     let state = &mut running.state;
-    let rows = Rows::of(&running.work, state.coils, state.stores);
+    let rows = Rows::of(&running.work, state.components);
     every!(UNROLL, climate.loops.iter().zip(state.loops.iter_mut()), (control, state) => {
         let measured = rows.read(climate, step_s, control.measures);
         act(control, network.inputs.len(), step_s, tick, measured, state, inputs);
@@ -123,20 +125,6 @@ fn act(
     *state = [followed, reading, integral, carry, last, output, position, moves];
 }
 
-/// What comes into the volumes from outside in the coming step, before its flows are solved: crew, sources, removal, free
-/// water, walls. All of it follows from what the volumes held at the end of the last step.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-pub(crate) fn supply<E, const UNROLL: bool>(
-    network: &Network<'_, E>,
-    at: Stepped<'_>,
-    running: &mut Running<'_>,
-) {
-    let Running { state, work } = running;
-    supply_volumes::<E, UNROLL>(network, at, state, work);
-    pass_walls::<UNROLL>(&network.climate, at, state, work);
-}
-
 /// What a step needs from outside.
 #[derive(Clone, Copy)]
 pub(crate) struct Stepped<'s> {
@@ -169,9 +157,10 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
 ) -> Option<Place> {
     let climate = &network.climate;
     let Running { mut state, mut work } = running;
-    begin_coils(climate, &mut state, &mut work);
+    let context = climate.context(at.step_s, at.inputs);
+    begin(climate, &context, &mut state, &mut work);
     move_lines::<E, UNROLL>(network, at, given, &mut state, &mut work);
-    settle_coils(climate, at, &mut state, &mut work);
+    settle(climate, &context, &mut state, &mut work);
     let mut place = None;
     let states = state.value.iter_mut().zip(state.carry).zip(state.owed.iter_mut().zip(state.owed_carry));
     let books = work.books.net.iter_mut().zip(work.books.lost.iter_mut());

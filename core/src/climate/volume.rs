@@ -22,9 +22,10 @@
 //!
 //! Valid while the volume is mixed: [`Readings::mixed`] says when it no longer is.
 
-use super::medium::{LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
-use super::stream::Stream;
-use crate::element::{ParameterError, Reason};
+use crate::fluid::medium::{self, LIQUID, Medium, NITROGEN, PARTS, Parts, VAPOUR, dot};
+use crate::fluid::stream::{ENERGY, STORED, Stored, Stream};
+pub use crate::fluid::stream::{LEAST_K, MOST_K};
+use crate::parameter::{ParameterError, Reason};
 use crate::{Fingerprint, Node, NodeKind, math, moist};
 
 /// What a node holds.
@@ -93,11 +94,6 @@ impl Volume {
 /// Largest ratio of specific heats of what flows, that of nitrogen and oxygen: what passes carries `c_p`·θ, what rests
 /// holds `c_v`·θ.
 pub(super) const GAMMA: f32 = 1.4;
-/// Lowest temperature that is followed [K]: where air that blows down to vacuum without heat from anywhere (at 200 Pa,
-/// from a cabin at 295 K) begins to turn into nitrogen and oxygen snow; ideal gas up to there, its `c_p` within 1 %.
-pub const LEAST_K: f32 = 50.0;
-/// Highest temperature that is followed [K]: 122 °C; water as a coolant boils there at 2.1 bar; `c_p` of air rises by 1.5 %.
-pub const MOST_K: f32 = 395.15;
 /// Share of what a volume of air held at its start below which it counts as empty [1]: there the rounding of what left
 /// reaches a percent of what is left.
 pub const THIN: f32 = 1e-5;
@@ -106,13 +102,6 @@ pub const THIN: f32 = 1e-5;
 const FOG_KG_PA: f32 = 1.0;
 /// How far rounding may take a part below 0, by what the volume held at the start [1].
 pub(super) const LEAST_FRACTION: f32 = 1e-6;
-/// Figures that a volume stores: masses of all parts, energy, and one that stays 0, so that rows fill whole vectors.
-pub(super) const STORED: usize = PARTS + 2;
-/// Place of the energy among them.
-pub(super) const ENERGY: usize = PARTS;
-/// One row of what is stored, or of its carries.
-pub(super) type Stored = [f32; STORED];
-
 /// Figures of a volume beside its fractions: temperature over the reference [K]; absolute pressure [Pa]; mass of gas, or
 /// of coolant [kg]; mass that came in and that went out in this step [kg]; φ.
 pub(super) type Figures = [f32; 6];
@@ -331,13 +320,13 @@ pub(super) fn evaporated_kg(
     step_s: f32,
 ) -> f32 {
     let [theta, pressure, mass, ..] = *figures;
-    let vapour = partial_pressure_pa(VAPOUR, fractions, pressure);
+    let vapour = medium::partial_pressure_pa(VAPOUR, fractions, pressure);
     let temperature = reference_k + theta;
     let saturation = moist::saturation_pressure_pa(temperature);
     // Solved implicitly, so that no step passes equilibrium: a kilogram raises the vapour's pressure by R_v·T/V and cools
     // what it comes from, and with it saturation, by L/(m·c_v)·dp_s/dT (Clausius and Clapeyron).
     let latent = moist::evaporation_enthalpy_j_kg(temperature);
-    let gas = super::medium::GAS_CONSTANTS_J_KG_K[VAPOUR];
+    let gas = medium::GAS_CONSTANTS_J_KG_K[VAPOUR];
     let cooled = latent / (gas * temperature);
     let heat = dot(fractions, &medium.resting_j_kg_k);
     let per_kg = (gas * pressure / dot(fractions, &medium.gas_j_kg_k)
@@ -345,13 +334,4 @@ pub(super) fn evaporated_kg(
         / mass;
     let rate = if vapour > saturation { FOG_KG_PA } else { volume.surface_kg_s_pa * step_s };
     math::smaller(rate * (saturation - vapour) / (1.0 + rate * per_kg), mass * fractions[LIQUID])
-}
-
-/// Partial pressure of a part [Pa] from mass fractions.
-#[inline]
-pub(super) fn partial_pressure_pa(part: usize, fractions: &Parts, pressure_pa: f32) -> f32 {
-    let gas = &super::medium::GAS_CONSTANTS_J_KG_K;
-    let (own, constant) =
-        (fractions.get(part).copied().unwrap_or(0.0), gas.get(part).copied().unwrap_or(0.0));
-    pressure_pa * own * constant / dot(fractions, gas)
 }

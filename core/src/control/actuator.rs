@@ -1,6 +1,6 @@
 //! Actuator: travels to a commanded position with a rate, sticks until it is asked for enough, and fails.
 
-use crate::element::ParameterError;
+use crate::parameter::ParameterError;
 use crate::{Fingerprint, math};
 
 /// Fixed data of one actuator; its position is 0 closed … 1 open and maps to `closed` … `open` of what it drives.
@@ -41,6 +41,13 @@ impl ActuatorFault {
             value if value < 2.5 => Self::Open,
             _ => Self::Closed,
         }
+    }
+}
+
+impl ActuatorFault {
+    /// Returns the fault of a valve that acts by itself, whose first input it is.
+    pub fn of_inputs(inputs: &[f32]) -> Self {
+        Self::of_input(inputs.first().copied().unwrap_or(0.0))
     }
 }
 

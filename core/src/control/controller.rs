@@ -8,7 +8,7 @@
 //! Anti-windup: the integral stands still while u is at a limit and e would drive it further out. The output is a
 //! share of the actuator's range. A gain below 0 makes a controller that cools.
 
-use crate::element::{ParameterError, Reason};
+use crate::parameter::{ParameterError, Reason};
 use crate::{Fingerprint, math};
 
 /// Fixed data of a PID controller.

@@ -3,7 +3,7 @@
 //! `y' = (x − y)/τ`, solved implicitly so that any lag is stable; reading = y + bias + noise, limited to the range.
 //! The noise is a function of seed and tick (a mixed counter), so that a run repeats to the bit.
 
-use crate::element::ParameterError;
+use crate::parameter::ParameterError;
 use crate::{Fingerprint, math};
 
 /// Fixed data of one sensor.

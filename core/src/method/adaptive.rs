@@ -21,7 +21,8 @@ mod respond;
 
 use super::common::{self, NodeState};
 use super::responsive::{self, Given};
-use crate::element::{Element, Law, Operating};
+use crate::component::Element;
+use crate::law::{Law, Operating};
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
 use crate::{Line, Method, MethodError, Network, Segment, math};

@@ -4,7 +4,7 @@
 //! another or drained, and booked as that number. The masses and the ledger are independent compensated sums
 //! over the same transfers, so that their difference shows what arithmetic lost.
 
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Network, math};
 
 /// Cuts a buffer into named parts; parts that no longer fit come out empty.

@@ -38,7 +38,7 @@ use self::respond::Place as At;
 use self::segment::{Columns, Model};
 use super::responsive::{self, Given};
 use crate::climate::Supplied;
-use crate::element::Element;
+use crate::component::Element;
 use crate::operator::Margin;
 use crate::simulator::{Fault, Place};
 use crate::unroll::every;

@@ -7,7 +7,8 @@ use super::adaptive;
 use super::common::{self, Common};
 use super::implicit::layout::{self, continues};
 use super::responsive::{self, Given, Reach};
-use crate::element::{Element, Law, Operating};
+use crate::component::Element;
+use crate::law::{Law, Operating};
 use crate::{Line, Method, Network, Segment, math};
 
 /// A method's buffers, read only.

@@ -15,7 +15,8 @@
 //! not physics. Volumes and inertances inside lines are not used.
 
 use super::common::{self, Common, Cut};
-use crate::element::{Element, Operating};
+use crate::component::Element;
+use crate::law::Operating;
 use crate::operator::{self, FlowRow, Margin, Proof};
 use crate::simulator::{Fault, Place};
 use crate::unroll::every;

@@ -10,7 +10,8 @@
 use core::cmp::Ordering;
 use core::ops::Range;
 
-use crate::element::{Element, Law, Operating};
+use crate::component::Element;
+use crate::law::{Law, Operating};
 use crate::{Line, MethodError, Network, Responsive, Segment, air, math};
 
 /// Smallest density ratio [1]: a line out of a vacuum resists without end, but as a number.

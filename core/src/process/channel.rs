@@ -1,7 +1,7 @@
 //! Description of a channel: what it is bound to, how it is scaled, how far and how fast it may go.
 
 use super::{CONVERTERS, Curve};
-use crate::element::{ParameterError, Reason};
+use crate::parameter::{ParameterError, Reason};
 use crate::{Fingerprint, Signal};
 
 /// Where the raw value comes from or goes to.

@@ -1,7 +1,7 @@
 //! A monotone curve through points: two make a straight line, more a calibration table.
 
 use crate::Fingerprint;
-use crate::element::{ParameterError, Reason};
+use crate::parameter::{ParameterError, Reason};
 
 /// Straight lines from point to point, going on beyond the outer ones. No point at all stands for y = x.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

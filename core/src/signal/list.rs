@@ -2,7 +2,7 @@
 
 use super::{Output, OutputSpec, Owner, Signal};
 use crate::climate::Contents;
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Climate, Network, NodeKind};
 
 impl Climate<'_> {
@@ -13,15 +13,27 @@ impl Climate<'_> {
         of(node, [volume.map(|_| Owner::Volume), air.then_some(Owner::Air)])
     }
 
-    /// Everything that exchanger `index` publishes; nothing where there is none.
-    pub fn exchanger_signals(&self, index: usize) -> impl Iterator<Item = Signal> + use<> {
-        of(index, [self.exchangers.get(index).map(|_| Owner::Exchanger), None])
+    /// Figures of placed component `index`; nothing where there is none.
+    pub fn component_signals(&self, index: usize) -> impl Iterator<Item = Signal> + use<> {
+        let specs = self.component(index as u32).map_or(&[][..], |(table, _)| table.kind().output_specs());
+        (0..specs.len()).map(move |item| Output::Figure.item(index, item))
+    }
+
+    /// Name, label, unit and form of a component's figure.
+    pub fn figure_spec(&self, signal: Signal) -> Option<OutputSpec> {
+        let (table, _) = self.component(signal.owner).filter(|_| signal.output == Output::Figure)?;
+        table.kind().output_specs().get(usize::from(signal.item)).copied()
+    }
+
+    /// Name, label, unit and form of a signal of a volume or a component.
+    pub fn spec_of_signal(&self, signal: Signal) -> OutputSpec {
+        self.figure_spec(signal).unwrap_or_else(|| signal.spec())
     }
 
     /// Whether a sensor can look at the signal.
     pub fn can_measure(&self, signal: Signal) -> bool {
         let owner = signal.owner as usize;
-        self.volume_signals(owner).chain(self.exchanger_signals(owner)).any(|other| other == signal)
+        self.volume_signals(owner).chain(self.component_signals(owner)).any(|other| other == signal)
     }
 }
 
@@ -47,7 +59,7 @@ impl<E: Element> Network<'_, E> {
         every(self.nodes.len(), Owner::Node)
             .chain(self.lines.iter().enumerate().flat_map(line))
             .chain((0..climate.volumes.len()).flat_map(|node| climate.volume_signals(node)))
-            .chain((0..climate.exchangers.len()).flat_map(|index| climate.exchanger_signals(index)))
+            .chain((0..climate.components.len()).flat_map(|index| climate.component_signals(index)))
             .chain(every(climate.loops.len(), Owner::Control))
             .chain(every(self.inputs.len(), Owner::Input))
             .chain(every(usize::from(!climate.is_none()), Owner::Books))
@@ -62,21 +74,21 @@ impl<E: Element> Network<'_, E> {
             Owner::Line => owner < self.lines.len(),
             Owner::GasLine => self.carries_gas(owner),
             Owner::Segment => owner < self.segments.len(),
-            Owner::Volume | Owner::Air | Owner::Exchanger => self.climate.can_measure(signal),
+            Owner::Volume | Owner::Air | Owner::Component => self.climate.can_measure(signal),
             Owner::Control => owner < self.climate.loops.len(),
             Owner::Input => owner < self.inputs.len(),
             Owner::Books => owner == 0 && !self.climate.is_none(),
             Owner::Run => owner == 0,
         };
-        exists && usize::from(signal.item) < signal.output.items()
+        exists && (signal.output == Output::Figure || usize::from(signal.item) < signal.output.items())
     }
 
     /// Name, label, unit and form of a signal that is no input: a control's reading has those of what it measures.
     pub fn spec_of(&self, signal: Signal) -> OutputSpec {
-        let spec = signal.spec();
+        let spec = self.climate.spec_of_signal(signal);
         match self.climate.loops.get(signal.owner as usize) {
             Some(control) if signal.output == Output::Reading => {
-                OutputSpec { display: control.measures.spec().display, ..spec }
+                OutputSpec { display: self.climate.spec_of_signal(control.measures).display, ..spec }
             }
             _ => spec,
         }

@@ -26,13 +26,13 @@
 //! place behind a schedule's end, a time that cannot be counted.
 
 use super::{Fault, Health, Place, Simulator};
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Margin, Method, Proof, Schedule};
 
 const MAGIC: [u8; 4] = *b"ECKP";
 /// Rises whenever the words of any method or of the climate change their place or their meaning; `network-file`'s test
 /// `checkpoint_layout` notices.
-const VERSION: u16 = 4;
+const VERSION: u16 = 5;
 const HEADER: usize = 88;
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;

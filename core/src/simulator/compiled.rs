@@ -2,7 +2,7 @@
 
 use super::{CheckpointError, Health, InputError, LiveInput, Settings, Simulator};
 use crate::Network;
-use crate::element::Element;
+use crate::component::Element;
 
 /// A description and settings that the compiler knows, as generated from a network file.
 pub trait Compiled {

@@ -3,8 +3,8 @@
 use core::fmt::{Display, Formatter, Result};
 
 use super::{Fault, Health, Place, Simulator};
-use crate::climate::medium;
-use crate::element::Element;
+use crate::component::Element;
+use crate::fluid::medium;
 
 /// What can leave its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 //! `docs/hil-host.md`).
 
 use super::Simulator;
-use crate::element::Element;
+use crate::component::Element;
 use crate::method::implicit;
 use crate::{Method, Network};
 
@@ -107,7 +107,7 @@ impl<E: Element> Network<'_, E> {
 
     /// Whether every slot that something reads has a value that it takes; `value` tells a slot's.
     pub(crate) fn takes_inputs(&self, value: impl Fn(usize) -> Option<f32>) -> bool {
-        let takes = |slot: usize, spec: &crate::element::InputSpec| {
+        let takes = |slot: usize, spec: &crate::InputSpec| {
             value(slot).is_some_and(|value| (spec.min..=spec.max).contains(&value))
         };
         let of_segments = self.segments.iter().all(|segment| {

@@ -2,8 +2,9 @@
 
 use super::{Excursion, Health, Settings, Simulator};
 use crate::climate::monitor::{Broken, Limit};
-use crate::climate::{self, ExchangerReadings, Ledger, Readings};
-use crate::element::{Element, Operating};
+use crate::climate::{self, Ledger, Readings};
+use crate::component::Element;
+use crate::law::Operating;
 use crate::method::observe::Observer;
 use crate::signal::{self, Owner, Signal};
 use crate::{Fingerprint, Margin, Method, Network, operator};
@@ -184,11 +185,6 @@ impl<'a, E: Element> Simulator<'a, E> {
         (0..self.network.climate.volumes.len()).find_map(|node| of(node).map(|limit| (node, limit)))
     }
 
-    /// What exchanger `index` of the climate shows.
-    pub fn exchanger(&self, index: usize) -> Option<ExchangerReadings> {
-        self.climate().exchanger(index)
-    }
-
     /// Value of a signal, in its unit; NaN for one that does not exist.
     pub fn signal(&self, signal: Signal) -> f32 {
         let mut value = f32::NAN;
@@ -209,7 +205,7 @@ impl<'a, E: Element> Simulator<'a, E> {
                     read = self.read_segments(rest, into);
                     None
                 }
-                Owner::Volume | Owner::Air | Owner::Exchanger => Some(climate.read(*first)),
+                Owner::Volume | Owner::Air | Owner::Component => Some(climate.read(*first)),
                 Owner::Control => {
                     let found = climate.control(owner);
                     let read =

@@ -4,7 +4,7 @@ use core::fmt::{Display, Formatter, Result};
 
 use super::BuildError;
 use crate::climate::ClimateError;
-use crate::element::{ParameterError, Reason};
+use crate::parameter::{ParameterError, Reason};
 use crate::{MethodError, NetworkError, PlanError};
 
 impl Display for ParameterError {
@@ -117,21 +117,27 @@ impl Display for ClimateError {
             Self::GasLaw(index) => write!(f, "line {index} holds coolant and has a law of gases"),
             Self::InnerVolume(index) => write!(f, "segment {index} has a volume inside its line"),
             Self::Removal(index) => write!(f, "segment {index} takes out a fixed share of its flow"),
-            Self::Station(index) => {
-                write!(
-                    f,
-                    "station {index}: what it names does not exist, it is out of order, or in the wrong medium"
-                )
+            Self::Table(index) => write!(f, "table {index} of components does not follow the one before"),
+            Self::Component(index, error) => write!(f, "component {index}: {error}"),
+            Self::ComponentStep(index, bound) => write!(
+                f,
+                "component {index}: {} must be at least {} {} for this step",
+                bound.parameter, bound.least, bound.unit
+            ),
+            Self::ComponentNode(index) => {
+                write!(f, "component {index} names no volume, or one that it does not fit")
             }
-            Self::Exchanger(index, error) => write!(f, "exchanger {index}: {error}"),
-            Self::ExchangerSides(index) => {
-                write!(f, "exchanger {index} does not have the sides that it needs, or no volume behind it")
+            Self::Conductance(index, most) => write!(
+                f,
+                "component {index}: all walls of its volume together may conduct at most {most} W/K for this step"
+            ),
+            Self::Passage(index) => write!(
+                f,
+                "passage {index} names a component that does not exist, is out of order, or leads through the wrong medium"
+            ),
+            Self::Sides(index) => {
+                write!(f, "component {index} lacks the stream of its own side, or has two on one side")
             }
-            Self::Source(index) => write!(f, "source {index} names no volume of air"),
-            Self::Crew(index) => write!(f, "crew {index} names no volume of air"),
-            Self::Remover(index) => write!(f, "remover {index} names no volume of air, or no part of it"),
-            Self::Wall(index, error) => write!(f, "wall {index}: {error}"),
-            Self::WallNode(index) => write!(f, "wall {index} names no volume"),
             Self::Loop(index, error) => write!(f, "control loop {index}: {error}"),
             Self::LoopTarget(index) => write!(
                 f,

@@ -3,9 +3,9 @@
 //! Table: SAE 2005-01-2801, through V-HAB; coolant 600 lb/h at 40 °F. The source does not say which effectiveness it
 //! is. [assumed] Air flows are volume flows at the inlet, at 101 325 Pa.
 
-use eclss_core::climate::condenser::{CELLS, Coil, Condenser, Drained};
-use eclss_core::climate::medium::{Medium, VAPOUR};
-use eclss_core::climate::stream::Stream;
+use eclss_core::components::coil::{CELLS, Coil, Condenser, Drained};
+use eclss_core::fluid::medium::{Medium, VAPOUR};
+use eclss_core::fluid::stream::Stream;
 use eclss_core::moist;
 
 pub(crate) const PRESSURE_PA: f32 = 101_325.0;

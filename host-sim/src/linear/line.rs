@@ -192,11 +192,12 @@ mod tests {
     fn also_with_linear_losses_and_where_the_flow_is_laminar() {
         let network = example::paper_loop();
         let mut segments = network.segments.to_vec();
-        segments[4].element = eclss_core::StdElement::ReferencePipe(eclss_core::element::ReferencePipe {
+        segments[4].element = eclss_core::components::ReferencePipe {
             pressure_drop_pa: 34.0,
             mass_flow_kg_s: 0.086,
             exponent: 1.6,
-        });
+        }
+        .into_any();
         let active = [(1, 0), (4, 0), (5, 0)].map(|(segment, line)| eclss_core::Active { segment, line });
         let mixed = Network { segments: &segments, active: &active, ..network };
         the_matrix_is_their_derivative(&mixed, &[1.0, 0.3]);

@@ -1,7 +1,8 @@
 //! The paper's line in `f64`, from the elements' parameters and independent of every kernel: its steady flow
 //! in closed form, and plain explicit Euler on its equations.
 
-use eclss_core::{Element, Network, StdElement};
+use eclss_core::components::{Bed, Fan, HeatExchanger, Pipe, Valve};
+use eclss_core::{Element, Network};
 
 /// Flow beyond which a run counts as diverged [kg/s], the limit of the core.
 const LIMIT_KG_S: f64 = eclss_core::Fault::FLOW_LIMIT_KG_S as f64;
@@ -49,20 +50,23 @@ impl DoubleLoop {
         let mut ratio: f64 = segments.get(..place)?.iter().map(removal).product();
         let mut rows = Vec::new();
         for segment in segments {
-            let (head, loss) = match segment.element {
-                StdElement::Pipe(pipe) => (0.0, Loss::Fixed(f64::from(pipe.resistance_pa_s2_kg2))),
-                StdElement::HeatExchanger(part) => (0.0, Loss::Fixed(f64::from(part.resistance_pa_s2_kg2))),
-                StdElement::Bed(bed) => (0.0, Loss::Fixed(f64::from(bed.resistance_pa_s2_kg2))),
-                StdElement::Fan(fan) if fan.curve.linear_pa_s_kg.abs() < f32::MIN_POSITIVE => {
-                    let loss = Loss::Fixed(f64::from(fan.curve.quadratic_pa_s2_kg2));
-                    (f64::from(fan.curve.shutoff_pa), loss)
+            let element = &segment.element;
+            let fixed = |resistance: f32| (0.0, Loss::Fixed(f64::from(resistance)));
+            let (head, loss) = if let Some(valve) = element.get::<Valve>() {
+                let open = f64::from(valve.open_resistance_pa_s2_kg2);
+                let (exponent, leakage) = (f64::from(valve.exponent), f64::from(valve.leakage_opening));
+                (0.0, Loss::Valve { open, exponent, leakage })
+            } else if let Some(fan) = element.get::<Fan>() {
+                if fan.linear_pa_s_kg.abs() >= f32::MIN_POSITIVE {
+                    return None;
                 }
-                StdElement::Valve(valve) => {
-                    let open = f64::from(valve.open_resistance_pa_s2_kg2);
-                    let (exponent, leakage) = (f64::from(valve.exponent), f64::from(valve.leakage_opening));
-                    (0.0, Loss::Valve { open, exponent, leakage })
-                }
-                _ => return None,
+                (f64::from(fan.shutoff_pa), Loss::Fixed(f64::from(fan.quadratic_pa_s2_kg2)))
+            } else if let Some(pipe) = element.get::<Pipe>() {
+                fixed(pipe.resistance_pa_s2_kg2)
+            } else if let Some(part) = element.get::<HeatExchanger>() {
+                fixed(part.resistance_pa_s2_kg2)
+            } else {
+                fixed(element.get::<Bed>()?.resistance_pa_s2_kg2)
             };
             rows.push(Row { head, loss, square_ratio: ratio * ratio });
             ratio /= removal(segment);

@@ -1,7 +1,7 @@
 //! Temperature and humidity control: the condenser beside its table, a day of a module, its ledgers.
 
 use eclss_core::climate::Ledger;
-use eclss_core::climate::condenser::Condenser;
+use eclss_core::components::coil::Condenser;
 use eclss_core::{Health, Settings};
 
 use super::html::{Html, fixed, scientific};

@@ -2,6 +2,7 @@
 //! were broken, where, and for how long.
 
 use eclss_core::climate::monitor::{Limit, Monitor};
+use eclss_core::components::Crew;
 use eclss_core::{Element, Simulator};
 use eclss_network_file::Loaded;
 
@@ -34,7 +35,8 @@ impl Watch {
     pub(super) fn of(loaded: &Loaded) -> Self {
         let climate = &loaded.climate;
         let volume = |(node, id): (usize, &String)| {
-            let crewed = climate.crews.iter().any(|crew| crew.node as usize == node);
+            let crewed =
+                climate.climate().components_of::<Crew>().any(|(_, placed)| placed.node as usize == node);
             (id.clone(), crewed.then(Monitor::default))
         };
         let nodes = loaded.names.nodes.iter().take(climate.volumes.len());

@@ -92,9 +92,7 @@ impl Graph {
 
 impl Element {
     fn of(line: &str, entry: &eclss_network_file::document::ElementEntry) -> Self {
-        // The name of a kind is the one under which it is written, so that new kinds are drawn without a change here.
-        let written = serde_json::to_value(&entry.kind).unwrap_or_default();
-        let kind = written.get("kind").and_then(|kind| kind.as_str()).unwrap_or("element").to_owned();
+        let kind = entry.entry.kind.name().to_owned();
         let short = entry.id.strip_prefix(line).map(|rest| rest.trim_start_matches('_'));
         let label = short.filter(|rest| !rest.is_empty()).unwrap_or(&entry.id).to_owned();
         let active = !matches!(

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::element::Entry;
+
 /// Start values of inputs by their names; those that are absent start at their defaults.
 pub type Starts = BTreeMap<&'static str, f64>;
 
@@ -47,98 +49,16 @@ pub struct ContentsEntry {
     pub surface_kg_s_pa: Option<f64>,
 }
 
-/// What a condensing heat exchanger is beside its loss; the station's where nothing is said.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct CoilEntry {
-    /// Conductance of the air's side at the reference flow [W/K].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub air_w_k: Option<f64>,
-    /// Reference flow of dry air [kg/s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub air_reference_kg_s: Option<f64>,
-    /// Exponent of the air's flow [1].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub air_exponent: Option<f64>,
-    /// Conductance of the coolant's side at the reference flow [W/K].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub coolant_w_k: Option<f64>,
-    /// Reference flow of coolant [kg/s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub coolant_reference_kg_s: Option<f64>,
-    /// Heat capacity of the walls [J/K].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub capacity_j_k: Option<f64>,
-    /// Water that the films hold [kg].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub film_kg: Option<f64>,
-    /// Temperature of the walls at the start [K]; that of the line's `from` node when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub temperature_k: Option<f64>,
-    /// Water that the separator holds [kg].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub separator_kg: Option<f64>,
-    /// Time between two discharges [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub discharge_s: Option<f64>,
-    /// Water that leaves at once when the separator loses it [kg].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub slug_kg: Option<f64>,
-    /// Start values of its inputs.
-    #[serde(flatten)]
-    pub starts: Starts,
-}
-
-/// What a liquid-to-liquid heat exchanger is beside its loss.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PlatesEntry {
-    /// Conductance of the line's own side at its reference flow [W/K].
-    pub liquid_w_k: f64,
-    /// Reference flow of that side [kg/s].
-    pub liquid_reference_kg_s: f64,
-    /// Conductance of the other side at its reference flow [W/K].
-    pub coolant_w_k: f64,
-    /// Reference flow of the other side [kg/s].
-    pub coolant_reference_kg_s: f64,
-    /// Heat capacity of the plates [J/K]; the condenser's when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub capacity_j_k: Option<f64>,
-    /// Temperature of the plates at the start [K]; that of the line's `from` node when absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub temperature_k: Option<f64>,
-    /// Start values of its inputs.
-    #[serde(flatten)]
-    pub starts: Starts,
-}
-
-/// Table `[[source]]`, `[[crew]]`, `[[remover]]` or `[[wall]]`.
+/// Table of a component at a node, such as `[[crew]]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartEntry {
     /// Id, unique in the file.
     pub id: String,
     /// Id of its node.
     pub node: String,
-    /// What is removed, for a remover.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub part: Option<String>,
-    /// Figures of a wall.
+    /// Keys of its kind.
     #[serde(flatten)]
-    pub wall: Option<WallEntry>,
-    /// Start values of its inputs.
-    #[serde(flatten)]
-    pub starts: Starts,
-}
-
-/// Figures of a wall.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct WallEntry {
-    /// Heat capacity [J/K].
-    pub capacity_j_k: f64,
-    /// Conductance to the node [W/K].
-    pub inner_w_k: f64,
-    /// Conductance to the surroundings [W/K].
-    pub outer_w_k: f64,
-    /// Temperature at the start [K].
-    pub temperature_k: f64,
+    pub entry: Entry,
 }
 
 /// Table `[[control]]`.

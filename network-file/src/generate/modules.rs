@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use eclss_core::components::KINDS;
+use eclss_core::parameter::Place;
 use toml::{Table, Value};
 
-/// Tables whose entries have ids.
-const OWNERS: [&str; 7] = ["node", "line", "crew", "source", "remover", "wall", "control"];
+/// Tables whose entries have ids, beside those of components at nodes.
+const OWNERS: [&str; 3] = ["node", "line", "control"];
 /// Keys whose text is a word of the format, whatever ids there are.
 const WORDS: [&str; 7] = ["kind", "interpolation", "method", "part", "density", "contents", "on_when"];
 
@@ -85,7 +87,8 @@ fn ids(module: &Table) -> BTreeSet<String> {
     };
     let id = |row: &Value| row.get("id").and_then(Value::as_str).map(String::from);
     let mut found = BTreeSet::new();
-    for row in OWNERS.iter().flat_map(|owner| rows(module, owner)) {
+    let parts = KINDS.iter().filter(|kind| kind.place() != Place::Line).map(|kind| kind.name());
+    for row in OWNERS.into_iter().chain(parts).flat_map(|owner| rows(module, owner)) {
         found.extend(id(&row));
         found.extend(
             row.as_table().into_iter().flat_map(|row| rows(row, "element")).filter_map(|row| id(&row)),

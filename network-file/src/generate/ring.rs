@@ -1,11 +1,12 @@
 //! A closed loop of cabins: one fan, one valve, pipes between.
 
-use super::{MODULE_PA, SizeError, TEMPERATURE_K, element, id_of, line};
+use std::collections::BTreeMap;
+
+use eclss_core::components::{Fan, Pipe, Valve};
+
+use super::{MODULE_PA, SizeError, TEMPERATURE_K, element, id_of, kind, line};
 use crate::document::air::{AirEntry, ContentsEntry};
-use crate::document::{
-    Blockage, Curve, ElementKind, Loss, Machine, NetworkFile, NodeEntry, NodeEntryKind, Run, SCHEMA,
-    ScheduleEntry, Seat,
-};
+use crate::document::{Entry, NetworkFile, NodeEntry, NodeEntryKind, Run, SCHEMA, ScheduleEntry};
 use crate::limits;
 
 /// Volume of every cabin [m³]: small, so that flows and pressures are stiff at any usual step.
@@ -34,28 +35,17 @@ pub fn ring(nodes: usize, gas: Gas) -> Result<NetworkFile, SizeError> {
     }
     let valve = nodes / 2;
     let lines = (0..nodes).map(|index| {
-        let kind = if index == 0 {
-            let curve =
-                Curve::Pressure { shutoff_pa: 500.0, linear_pa_s_kg: None, quadratic_pa_s2_kg2: 2_000.0 };
-            ElementKind::Fan(Machine { curve, speed: None, power_w: None, efficiency: None })
+        let entry = if index == 0 {
+            Entry::new(kind::<Fan>(), &[("shutoff_pa", 500.0), ("quadratic_pa_s2_kg2", 2_000.0)])
         } else if index == valve {
-            ElementKind::Valve {
-                open_resistance_pa_s2_kg2: 300.0,
-                exponent: 3.0,
-                seat: Seat::default(),
-                opening: None,
-            }
+            Entry::new(kind::<Valve>(), &[("open_resistance_pa_s2_kg2", 300.0), ("exponent", 3.0)])
         } else {
-            let resistance_pa_s2_kg2 = PIPES / nodes as f64;
-            ElementKind::Pipe {
-                loss: Loss::Resistance { resistance_pa_s2_kg2 },
-                blockage: Blockage::default(),
-            }
+            Entry::new(kind::<Pipe>(), &[("resistance_pa_s2_kg2", PIPES / nodes as f64)])
         };
         let mut made = line(
             format!("line{index}"),
             (index, (index + 1) % nodes),
-            vec![element(format!("element{index}"), kind, 1.0, 0.1)],
+            vec![element(format!("element{index}"), entry, 1.0, 0.1)],
         );
         made.density = (gas == Gas::Following).then(|| "follows".into());
         made
@@ -81,10 +71,7 @@ pub fn ring(nodes: usize, gas: Gas) -> Result<NetworkFile, SizeError> {
             record: None,
         },
         air: (gas != Gas::Plain).then(AirEntry::default),
-        sources: Vec::new(),
-        crews: Vec::new(),
-        removers: Vec::new(),
-        walls: Vec::new(),
+        parts: BTreeMap::new(),
         controls: Vec::new(),
         nodes: (0..nodes).map(cabin).collect(),
         lines: lines.collect(),

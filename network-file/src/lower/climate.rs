@@ -2,23 +2,22 @@
 
 mod control;
 
-use std::collections::HashMap;
-
-use eclss_core::climate::condenser::Condenser;
-use eclss_core::climate::medium::{self, Medium, PARTS};
-use eclss_core::climate::parts::HEATER_INPUT;
 use eclss_core::climate::volume::MOST_K;
-use eclss_core::climate::{Contents, Crew, Exchanger, Passage, Remover, Source, Station, Volume, Wall};
-use eclss_core::element::{Fan, Pump};
-use eclss_core::{InputSpec, Line, StdElement, moist};
+use eclss_core::climate::{Contents, Volume};
+use eclss_core::component::{FileKind, LineFacts, Passage, Placed, Range, Table};
+use eclss_core::fluid::medium::{self, Medium};
+use eclss_core::parameter::{Carries, KeyType, Place};
+use eclss_core::{AnyComponent, Element as _, InputSpec, moist};
 
 use super::Tables;
-use crate::document::air::{CoilEntry, ContentsEntry, PartEntry, PlatesEntry, Starts};
-use crate::document::{ElementKind, LineEntry, Machine, NetworkFile, NodeEntry, NodeEntryKind};
-use crate::input::Slot;
+use crate::document::air::{ContentsEntry, Starts};
+use crate::document::{ElementEntry, NetworkFile, NodeEntry, NodeEntryKind};
+use crate::element::Keys;
+use crate::input::{self, Named, Slot};
 use crate::limits;
 use crate::loaded::ClimateTables;
 use crate::notes::Notes;
+use crate::reason;
 
 /// Where water freezes [K].
 const ICE_K: f64 = 273.15;
@@ -48,8 +47,7 @@ pub(super) fn climate(file: &NetworkFile, tables: &mut Tables, notes: &mut Notes
         climate.volumes.push(volume(node, &format!("node[{index}]"), notes));
     }
     let mut lowering = Lowering { file, tables, notes, climate: &mut climate };
-    lowering.stations();
-    lowering.parts();
+    lowering.components();
     lowering.controls();
     climate
 }
@@ -66,35 +64,11 @@ fn refuse_without_air(file: &NetworkFile, notes: &mut Notes) {
             refuse(format!("node[{index}]"), &["oxygen_pa", "carbon_dioxide_pa", "dew_point_k", "kind"]);
         }
     }
-    for (index, line) in file.lines.iter().enumerate() {
-        for (place, element) in line.elements.iter().enumerate() {
-            let path = format!("line[{index}].element[{place}]");
-            match &element.kind {
-                ElementKind::Condenser { .. }
-                | ElementKind::CoolantSide { .. }
-                | ElementKind::InterfaceExchanger { .. }
-                | ElementKind::Heater { .. } => {
-                    refuse(path, &["kind"]);
-                }
-                ElementKind::Fan(machine) | ElementKind::Pump(machine)
-                    if machine.power_w.is_some() || machine.efficiency.is_some() =>
-                {
-                    refuse(path, &["power_w", "efficiency"]);
-                }
-                _ => {}
-            }
-        }
+    for kind in file.parts.keys() {
+        refuse(format!("{kind}[0]"), &["id"]);
     }
-    for (key, count) in [
-        ("source", file.sources.len()),
-        ("crew", file.crews.len()),
-        ("remover", file.removers.len()),
-        ("wall", file.walls.len()),
-        ("control", file.controls.len()),
-    ] {
-        if count > 0 {
-            refuse(format!("{key}[0]"), &["id"]);
-        }
+    if !file.controls.is_empty() {
+        refuse("control[0]".into(), &["id"]);
     }
 }
 
@@ -195,223 +169,186 @@ impl Lowering<'_, '_> {
         node.unwrap_or(0) as u32
     }
 
-    /// Heat and water on the way of lines. Condensers first, so that coolant sides find them.
-    fn stations(&mut self) {
-        let mut condensers: HashMap<&str, u32> = HashMap::new();
-        let coolant: Vec<&str> = self
-            .file
-            .lines
-            .iter()
-            .flat_map(|line| &line.elements)
-            .filter_map(|element| match &element.kind {
-                ElementKind::CoolantSide { condenser, .. } => Some(condenser.as_str()),
-                _ => None,
-            })
-            .collect();
-        for (index, line) in self.file.lines.iter().enumerate() {
-            for (place, element) in line.elements.iter().enumerate() {
-                let plates;
-                let coil = match &element.kind {
-                    ElementKind::Condenser { coil, .. } => coil,
-                    ElementKind::InterfaceExchanger { plates: entry, .. } => {
-                        plates = coil_of(entry);
-                        &plates
-                    }
-                    _ => continue,
-                };
-                let path = format!("line[{index}].element[{place}]");
-                condensers.insert(&element.id, self.climate.exchangers.len() as u32);
-                let own_coolant = !coolant.contains(&element.id.as_str());
-                self.exchanger(&element.id, index, coil, own_coolant, &path);
-            }
+    /// Places every component that acts on a volume or meets streams, kind by kind, and the passages of streams.
+    fn components(&mut self) {
+        let mut found = Vec::new();
+        self.line_components(&mut found);
+        self.node_components(&mut found);
+        let kinds = self.notes.kinds;
+        let place = |kind: &str| kinds.iter().position(|known| known.name() == kind);
+        found.sort_by_key(|found| place(found.component.kind()));
+        for own in found.chunk_by(|a, b| a.component.kind() == b.component.kind()) {
+            let count = own.len() as u32;
+            let range = self
+                .climate
+                .tables
+                .last()
+                .map_or(Range { count, ..Range::default() }, |last| last.behind(count));
+            self.climate.tables.push(Table::of(&own[0].component, range));
         }
-        for (index, line) in self.file.lines.iter().enumerate() {
-            let first = self.tables.lines[index].first_segment;
+        for Found { component, placed, id, path, .. } in &found {
+            self.climate.components.push(Placed { row: component.row(), ..*placed });
+            self.climate.names.push(id.clone());
+            self.climate.paths.push(path.clone());
+        }
+        self.passages(&found);
+    }
+
+    /// Components of lines that meet streams.
+    fn line_components(&mut self, found: &mut Vec<Found>) {
+        let file = self.file;
+        let mut segment = 0;
+        for (index, line) in file.lines.iter().enumerate() {
             for (place, element) in line.elements.iter().enumerate() {
-                let path = format!("line[{index}].element[{place}]");
-                let segment = first + place as u32;
-                let passage = match &element.kind {
-                    ElementKind::Condenser { .. } => Passage::Condenser(condensers[element.id.as_str()]),
-                    ElementKind::InterfaceExchanger { .. } => {
-                        Passage::LiquidSide(condensers[element.id.as_str()])
+                let (id, path) = (element.id.clone(), format!("line[{index}].element[{place}]"));
+                let own = &self.tables.segments[segment];
+                if !element.entry.kind.sides().is_empty() {
+                    let linked = linking(file, &id).count() > 0;
+                    let node = self.tables.lines[index].to;
+                    let placed =
+                        Placed { row: own.element.row(), node, first_input: own.first_input, linked };
+                    found.push(Found { component: own.element, placed, id, path, segment: Some(segment) });
+                    if linked {
+                        self.refuse_idle(element, &found[found.len() - 1].path.clone());
                     }
-                    ElementKind::CoolantSide { condenser, .. } => {
-                        let Some(&of) = condensers.get(condenser.as_str()) else {
-                            let reason =
-                                format!("there is no condenser or interface exchanger `{condenser}`");
-                            self.notes.refuse_at(&path, &["condenser"], reason);
-                            continue;
-                        };
-                        Passage::CoolantSide(of)
-                    }
-                    ElementKind::Heater { starts, .. } => Passage::Heater {
-                        power_input: self.inputs(&element.id, &[HEATER_INPUT], starts, &path),
-                    },
-                    ElementKind::Fan(machine) | ElementKind::Pump(machine) => Passage::Machine {
-                        power_w: self.power_w(line, segment, machine, &path),
-                        speed_input: self.tables.segments[segment as usize].first_input,
-                    },
-                    _ => continue,
-                };
-                self.climate.stations.push(Station { segment, line: index as u32, passage });
+                }
+                segment += 1;
             }
         }
     }
 
-    /// Electric power of a machine at rated speed [W].
-    fn power_w(&mut self, line: &LineEntry, segment: u32, machine: &Machine, path: &str) -> f32 {
-        let node = |id: &str| self.file.nodes.iter().position(|node| node.id == id);
-        let density = super::density(self.file, line, node(&line.from), node(&line.to));
-        let curve = match &self.tables.segments[segment as usize].element {
-            StdElement::Fan(Fan { curve }) | StdElement::Pump(Pump { curve }) => *curve,
-            _ => return 0.0,
-        };
-        let power = super::power::electric_w(machine, &curve, density);
-        power.unwrap_or_else(|(key, reason)| {
-            self.notes.refuse_at(path, &[key], reason);
-            0.0
-        }) as f32
-    }
-
-    fn exchanger(&mut self, id: &str, line: usize, coil: &CoilEntry, own_coolant: bool, path: &str) {
-        let of = |value: Option<f64>, default: f32| value.map_or(default, |value| value as f32);
-        let standard = Condenser::CCAA;
-        let condenser = Condenser {
-            air_w_k: of(coil.air_w_k, standard.air_w_k),
-            air_reference_kg_s: of(coil.air_reference_kg_s, standard.air_reference_kg_s),
-            air_exponent: of(coil.air_exponent, standard.air_exponent),
-            coolant_w_k: of(coil.coolant_w_k, standard.coolant_w_k),
-            coolant_reference_kg_s: of(coil.coolant_reference_kg_s, standard.coolant_reference_kg_s),
-            capacity_j_k: of(coil.capacity_j_k, standard.capacity_j_k),
-            film_kg: of(coil.film_kg, standard.film_kg),
-        };
-        let Line { from, to, .. } = self.tables.lines[line];
-        let start = self.file.nodes.get(from as usize).map_or(limits::REFERENCE_K, |node| node.temperature_k);
-        if !own_coolant {
-            for name in ["coolant_flow", "coolant_temperature"] {
-                let input = format!("{id}.{name}");
-                let reason = format!("`{id}` has a coolant side, so `{input}` does nothing");
-                for (index, _) in
-                    self.file.schedules.iter().enumerate().filter(|(_, other)| other.input == input)
+    /// Refuses what drives an input that does nothing, because the line of a coolant passes the component.
+    fn refuse_idle(&mut self, element: &ElementEntry, path: &str) {
+        let id = &element.id;
+        for name in element.entry.kind.idle_when_linked() {
+            let input = format!("{id}.{name}");
+            let reason = format!("`{id}` has a coolant side, so `{input}` does nothing");
+            for (index, _) in self.file.schedules.iter().enumerate().filter(|(_, other)| other.input == input)
+            {
+                self.notes.refuse_at(&format!("schedule[{index}]"), &["input"], reason.clone());
+            }
+            for (index, control) in self.file.controls.iter().enumerate() {
+                for (key, driven) in
+                    [("drives", Some(&control.drives)), ("opposite", control.opposite.as_ref())]
                 {
-                    self.notes.refuse_at(&format!("schedule[{index}]"), &["input"], reason.clone());
-                }
-                for (index, control) in self.file.controls.iter().enumerate() {
-                    for (key, driven) in
-                        [("drives", Some(&control.drives)), ("opposite", control.opposite.as_ref())]
-                    {
-                        if driven == Some(&input) {
-                            self.notes.refuse_at(&format!("control[{index}]"), &[key], reason.clone());
-                        }
+                    if driven == Some(&input) {
+                        self.notes.refuse_at(&format!("control[{index}]"), &[key], reason.clone());
                     }
                 }
-                if coil.starts.contains_key(name) {
-                    let reason = format!("`{id}` has a coolant side, so its `{name}` is not an input");
-                    self.notes.refuse_at(path, &[name], reason);
+            }
+            if element.entry.starts.contains_key(name) {
+                let reason = format!("`{id}` has a coolant side, so its `{name}` is not an input");
+                self.notes.refuse_at(path, &[name], reason);
+            }
+        }
+    }
+
+    /// Components at nodes.
+    fn node_components(&mut self, found: &mut Vec<Found>) {
+        let file = self.file;
+        let line = LineFacts {
+            density_kg_m3: 0.0,
+            area_m2: None,
+            high_pa: 0.0,
+            high_k: limits::REFERENCE_K,
+            from_k: limits::REFERENCE_K,
+            has_air: true,
+        };
+        let kinds = self.notes.kinds;
+        for kind in kinds {
+            for (index, part) in file.parts.get(kind.name()).into_iter().flatten().enumerate() {
+                let path = format!("{}[{index}]", kind.name());
+                let node = self.node(&part.node, &path);
+                self.check_place(*kind, node, &part.node, &path);
+                let mut keys = Keys { notes: self.notes, entry: &part.entry, path: &path };
+                let component = kind.read(&mut keys, line);
+                if let Err(error) = component.check() {
+                    self.notes.refuse_at(&path, reason::keys_of(error.parameter), reason::text(error));
                 }
+                let first_input = self.tables.slots.len() as u32;
+                let named = Named { id: &part.id, entry: &part.entry, path: &path };
+                input::slots_of(&component, named, &mut self.tables.slots, self.notes);
+                let placed = Placed { row: component.row(), node, first_input, linked: false };
+                found.push(Found { component, placed, id: part.id.clone(), path, segment: None });
             }
         }
-        let first_input = self.inputs(id, &Exchanger::INPUTS, &coil.starts, path);
-        self.climate.exchangers.push(Exchanger {
-            condenser,
-            start_k: of(coil.temperature_k, start as f32),
-            outlet_node: to,
-            own_coolant,
-            separator_kg: of(coil.separator_kg, limits::SEPARATOR_KG as f32),
-            discharge_s: of(coil.discharge_s, limits::DISCHARGE_S as f32),
-            slug_kg: of(coil.slug_kg, limits::SLUG_KG as f32),
-            first_input,
+    }
+
+    /// Refuses a node that does not suit components of this kind.
+    fn check_place(&mut self, kind: &dyn FileKind, node: u32, id: &str, path: &str) {
+        let Place::Node { holds, boundary } = kind.place() else { return };
+        let (Some(entry), Some(volume)) =
+            (self.file.nodes.get(node as usize), self.climate.volumes.get(node as usize))
+        else {
+            return;
+        };
+        let name = kind.name();
+        if entry.kind == NodeEntryKind::Boundary && !boundary {
+            let reason = format!("`{id}` is a boundary, which is held whatever a {name} does there");
+            self.notes.refuse_at(path, &["node"], reason);
+        }
+        let (holds_air, needed) = (volume.contents == Contents::Air, holds);
+        let reason = match needed {
+            Carries::Air if !holds_air => format!("`{id}` holds coolant, a {name} needs air"),
+            Carries::Coolant if holds_air => format!("`{id}` holds air, a {name} needs coolant"),
+            Carries::Any | Carries::Air | Carries::Coolant => return,
+        };
+        self.notes.refuse_at(path, &["node"], reason);
+    }
+
+    /// Passages of streams: through components with sides, and of components that name another through its second side.
+    fn passages(&mut self, found: &[Found]) {
+        let file = self.file;
+        let elements = file.lines.iter().enumerate().flat_map(|(line, entry)| {
+            entry.elements.iter().enumerate().map(move |(place, element)| (line, place, element))
         });
-        self.climate.exchanger_names.push(id.to_owned());
-    }
-
-    fn parts(&mut self) {
-        let file = self.file;
-        let path = |kind: &str, index: usize| format!("{kind}[{index}]");
-        for (index, PartEntry { id, node, starts, .. }) in file.sources.iter().enumerate() {
-            let path = path("source", index);
-            let (node, first_input) =
-                (self.node(node, &path), self.inputs(id, &Source::INPUTS, starts, &path));
-            self.climate.sources.push(Source { node, first_input });
-        }
-        for (index, PartEntry { id, node, starts, .. }) in file.crews.iter().enumerate() {
-            let path = path("crew", index);
-            let (node, first_input) = (self.node(node, &path), self.inputs(id, &Crew::INPUTS, starts, &path));
-            self.climate.crews.push(Crew { node, first_input });
-        }
-        for (index, PartEntry { id, node, part, starts, .. }) in file.removers.iter().enumerate() {
-            let path = path("remover", index);
-            let (node, first_input) =
-                (self.node(node, &path), self.inputs(id, &Remover::INPUTS, starts, &path));
-            let part = part_of(part.as_deref().unwrap_or_default()).unwrap_or(0);
-            self.climate.removers.push(Remover { node, part, first_input });
-        }
-        for (index, PartEntry { id, node, wall, starts, .. }) in file.walls.iter().enumerate() {
-            let path = path("wall", index);
-            let (node, first_input) = (self.node(node, &path), self.inputs(id, &Wall::INPUTS, starts, &path));
-            let Some(wall) = wall else { continue };
-            self.climate.walls.push(Wall {
-                node,
-                capacity_j_k: wall.capacity_j_k as f32,
-                inner_w_k: wall.inner_w_k as f32,
-                outer_w_k: wall.outer_w_k as f32,
-                start_k: wall.temperature_k as f32,
-                first_input,
+        for (segment, (line, place, element)) in elements.enumerate() {
+            let own = found.iter().position(|found| found.segment == Some(segment));
+            let other = links(element).next();
+            let (component, side) = match (own, other) {
+                (Some(own), _) => (own, 0),
+                (None, Some((key, id))) => {
+                    let both = |found: &Found| found.id == id && found.component.erased().sides().len() > 1;
+                    let Some(component) = found.iter().position(both) else {
+                        let path = format!("line[{line}].element[{place}]");
+                        let reason = format!("there is no condenser or interface exchanger `{id}`");
+                        self.notes.refuse_at(&path, &[key], reason);
+                        continue;
+                    };
+                    (component, 1)
+                }
+                (None, None) => continue,
+            };
+            let component = component as u32;
+            let table = self.climate.tables.iter().position(|table| {
+                (table.range.first..table.range.first + table.range.count).contains(&component)
             });
+            let (segment, line, table) = (segment as u32, line as u32, table.unwrap_or(0) as u32);
+            self.climate.passages.push(Passage { segment, line, table, component, side });
         }
-        for (kind, part, node, contents) in self.nodes_of_parts() {
-            let held =
-                file.nodes.iter().any(|entry| entry.id == node && entry.kind == NodeEntryKind::Boundary);
-            if held && kind != "wall" {
-                let reason = format!("`{node}` is a boundary, which is held whatever a {kind} does there");
-                self.notes.refuse_at(&format!("{kind}[{part}]"), &["node"], reason);
-            }
-            if contents != Contents::Air && kind != "wall" {
-                let reason = format!("`{node}` holds coolant, a {kind} needs air");
-                self.notes.refuse_at(&format!("{kind}[{part}]"), &["node"], reason);
-            }
-        }
-    }
-
-    /// Kind, index, node and its contents of every part.
-    fn nodes_of_parts(&self) -> Vec<(&'static str, usize, String, Contents)> {
-        let file = self.file;
-        let lists = [
-            ("source", &file.sources),
-            ("crew", &file.crews),
-            ("remover", &file.removers),
-            ("wall", &file.walls),
-        ];
-        let contents = |id: &str| {
-            let node = file.nodes.iter().position(|node| node.id == id)?;
-            self.climate.volumes.get(node).map(|volume| volume.contents)
-        };
-        let part = |kind, (index, entry): (usize, &PartEntry)| {
-            contents(&entry.node).map(|contents| (kind, index, entry.node.clone(), contents))
-        };
-        lists
-            .into_iter()
-            .flat_map(|(kind, list)| list.iter().enumerate().filter_map(move |entry| part(kind, entry)))
-            .collect()
     }
 }
 
-/// Plates between two liquids as the coil that they are computed as: liquid in the place of the air.
-fn coil_of(plates: &PlatesEntry) -> CoilEntry {
-    CoilEntry {
-        air_w_k: Some(plates.liquid_w_k),
-        air_reference_kg_s: Some(plates.liquid_reference_kg_s),
-        air_exponent: Some(limits::LIQUID_EXPONENT),
-        coolant_w_k: Some(plates.coolant_w_k),
-        coolant_reference_kg_s: Some(plates.coolant_reference_kg_s),
-        capacity_j_k: plates.capacity_j_k,
-        temperature_k: plates.temperature_k,
-        starts: plates.starts.clone(),
-        ..CoilEntry::default()
-    }
+/// A placed component before its place among all is known.
+struct Found {
+    component: AnyComponent,
+    placed: Placed,
+    id: String,
+    /// Path of its table.
+    path: String,
+    /// Its segment, of a component of a line.
+    segment: Option<usize>,
 }
 
-/// Index of a part of air by its name.
-fn part_of(name: &str) -> Option<u32> {
-    medium::NAMES.iter().take(PARTS - 1).position(|part| *part == name).map(|part| part as u32)
+/// Keys of an element that name another component, with the ids.
+fn links(element: &ElementEntry) -> impl Iterator<Item = (&'static str, &str)> {
+    let keys = element.entry.kind.keys().iter().copied().flatten();
+    let names = keys.filter(|key| key.holds == KeyType::Component);
+    names.filter_map(|key| Some((key.name, element.entry.text(key.name)?)))
+}
+
+/// Elements whose streams pass the second side of component `id`.
+fn linking<'f>(file: &'f NetworkFile, id: &'f str) -> impl Iterator<Item = &'f ElementEntry> {
+    let elements = file.lines.iter().flat_map(|line| &line.elements);
+    elements.filter(move |element| links(element).any(|(_, named)| named == id))
 }

@@ -1,12 +1,11 @@
 //! Reads heat, moisture, composition and control.
 
 use eclss_core::InputSpec;
-use eclss_core::climate::{ControlLoop, Crew, Exchanger, Remover, Source, Wall, medium};
+use eclss_core::climate::ControlLoop;
+use eclss_core::parameter::Place;
 
 use crate::document::NetworkFile;
-use crate::document::air::{
-    AirEntry, CoilEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, PlatesEntry, Starts, WallEntry,
-};
+use crate::document::air::{AirEntry, ContentsEntry, ControlEntry, ControlKind, PartEntry, Starts};
 use crate::limits;
 use crate::table::Table;
 
@@ -17,40 +16,16 @@ pub(super) fn read_parts(root: &mut Table<'_, '_>, file: &mut NetworkFile) {
         coolant_heat_j_kg_k: air.number("coolant_heat_j_kg_k", &limits::SPECIFIC_HEAT),
         coolant_expansion_1_k: air.number("coolant_expansion_1_k", &limits::EXPANSION),
     });
-    file.sources = root.tables("source", 0..=limits::PARTS, |table| Some(part(table, &Source::INPUTS)));
-    file.crews = root.tables("crew", 0..=limits::PARTS, |table| Some(part(table, &Crew::INPUTS)));
-    file.removers = root.tables("remover", 0..=limits::PARTS, |table| {
-        let entry = part(table, &Remover::INPUTS);
-        let part = table.word("part", &medium::NAMES[..medium::LIQUID]);
-        if part.is_none() && !table.has("part") {
-            table.refuse(
-                "part",
-                format!("`part` is missing: one of {}", medium::NAMES[..medium::LIQUID].join(", ")),
-            );
+    for kind in root.notes.kinds.iter().copied().filter(|kind| kind.place() != Place::Line) {
+        let parts = root.tables(kind.name(), 0..=limits::PARTS, |table| {
+            let (id, node) = (table.need_id("id"), table.need_text("node"));
+            Some(PartEntry { id, node, entry: super::read_entry(table, kind) })
+        });
+        if !parts.is_empty() {
+            file.parts.insert(kind.name(), parts);
         }
-        Some(PartEntry { part, ..entry })
-    });
-    file.walls = root.tables("wall", 0..=limits::PARTS, |table| {
-        let entry = part(table, &Wall::INPUTS);
-        let wall = WallEntry {
-            capacity_j_k: table.need_number("capacity_j_k", &limits::HEAT_CAPACITY),
-            inner_w_k: table.need_number("inner_w_k", &limits::CONDUCTANCE),
-            outer_w_k: table.need_number("outer_w_k", &limits::CONDUCTANCE),
-            temperature_k: table.need_number("temperature_k", &limits::TEMPERATURE),
-        };
-        Some(PartEntry { wall: Some(wall), ..entry })
-    });
-    file.controls = root.tables("control", 0..=limits::PARTS, read_control);
-}
-
-fn part(table: &mut Table<'_, '_>, specs: &[InputSpec]) -> PartEntry {
-    PartEntry {
-        id: table.need_id("id"),
-        node: table.need_text("node"),
-        part: None,
-        wall: None,
-        starts: starts(table, specs),
     }
+    file.controls = root.tables("control", 0..=limits::PARTS, read_control);
 }
 
 /// Start values of inputs.
@@ -73,35 +48,6 @@ pub(super) fn read_contents(node: &mut Table<'_, '_>) -> ContentsEntry {
         dew_point_k: node.number("dew_point_k", &limits::MOIST_TEMPERATURE),
         mixing_limit_s: node.number("mixing_limit_s", &limits::SOME_TIME),
         surface_kg_s_pa: node.number("surface_kg_s_pa", &limits::FRACTION),
-    }
-}
-
-pub(super) fn read_coil(element: &mut Table<'_, '_>) -> CoilEntry {
-    CoilEntry {
-        air_w_k: element.number("air_w_k", &limits::SOME_CONDUCTANCE),
-        air_reference_kg_s: element.number("air_reference_kg_s", &limits::REFERENCE_FLOW),
-        air_exponent: element.number("air_exponent", &limits::FRACTION),
-        coolant_w_k: element.number("coolant_w_k", &limits::SOME_CONDUCTANCE),
-        coolant_reference_kg_s: element.number("coolant_reference_kg_s", &limits::REFERENCE_FLOW),
-        capacity_j_k: element.number("capacity_j_k", &limits::HEAT_CAPACITY),
-        film_kg: element.number("film_kg", &limits::SOME_MASS),
-        temperature_k: element.number("temperature_k", &limits::MOIST_TEMPERATURE),
-        separator_kg: element.number("separator_kg", &limits::SOME_MASS),
-        discharge_s: element.number("discharge_s", &limits::SOME_TIME),
-        slug_kg: element.number("slug_kg", &limits::SOME_MASS),
-        starts: starts(element, &Exchanger::INPUTS),
-    }
-}
-
-pub(super) fn read_plates(element: &mut Table<'_, '_>) -> PlatesEntry {
-    PlatesEntry {
-        liquid_w_k: element.need_number("liquid_w_k", &limits::SOME_CONDUCTANCE),
-        liquid_reference_kg_s: element.need_number("liquid_reference_kg_s", &limits::REFERENCE_FLOW),
-        coolant_w_k: element.need_number("coolant_w_k", &limits::SOME_CONDUCTANCE),
-        coolant_reference_kg_s: element.need_number("coolant_reference_kg_s", &limits::REFERENCE_FLOW),
-        capacity_j_k: element.number("capacity_j_k", &limits::HEAT_CAPACITY),
-        temperature_k: element.number("temperature_k", &limits::MOIST_TEMPERATURE),
-        starts: starts(element, &Exchanger::INPUTS[1..4]),
     }
 }
 

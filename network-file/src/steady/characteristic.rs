@@ -3,7 +3,7 @@
 //! `loss = R·w·max(|w|, w_lin) + L·w − head`, `w_lin = √(y_lin/R)`, w the flow at the line's flow segment. R, L and
 //! head are sums over the elements; an element ahead of a drain feels more flow than w, and less behind it.
 
-use eclss_core::element::{Element, Law};
+use eclss_core::{Element, Law};
 use eclss_core::{Line, Network};
 
 use super::response::{self, Circumstances};

@@ -1,7 +1,6 @@
 //! Islands: what hangs together through lines, and which of them no boundary holds.
 
-use eclss_core::element::{Element, Operating};
-use eclss_core::{Line, Network, NodeKind};
+use eclss_core::{Element, Line, Network, NodeKind, Operating};
 
 use super::{SPACE_PA, SteadyError, capacity};
 

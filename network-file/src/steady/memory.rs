@@ -4,7 +4,7 @@
 //! does so; one that follows a pressure (an opening between 0 and 1 that the pressure it causes brings back) is
 //! bracketed: where it would open it is too small, where it would close too large.
 
-use eclss_core::element::{Element, Operating};
+use eclss_core::{Element, Operating};
 use eclss_core::{Line, Network, Responsive};
 
 use super::SteadyError;

@@ -1,6 +1,6 @@
 //! The iteration of the steady state.
 
-use eclss_core::element::Element;
+use eclss_core::Element;
 use eclss_core::{Fault, Line, Network, Node, NodeKind, Plan, Responsive};
 
 use super::characteristic::Characteristic;

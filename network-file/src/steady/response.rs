@@ -3,7 +3,7 @@
 //! Those pressures are the ones at which a flow through the whole line would rest: it is solved for, laws are stated
 //! at what every element then loses, and so on until nothing changes.
 
-use eclss_core::element::{Element, Law, Operating};
+use eclss_core::{Element, Law, Operating};
 use eclss_core::{Line, Network, Responsive, air};
 
 /// Most rounds of the search for the pressures inside a line.

@@ -1,12 +1,13 @@
 //! Networks whose steady state is known in closed form, and networks that have none.
 
-use eclss_core::element::{
-    CheckValve, Fan, HeadCurve, HeatExchanger, Law, Operating, Orifice, ParameterError, Pipe,
-    PressureRegulator, ReliefValve, Valve,
+use eclss_core::component::Draft;
+use eclss_core::components::{
+    CheckValve, Fan, HeadCurve, HeatExchanger, Orifice, Pipe, PressureRegulator, ReliefValve, Valve,
 };
+use eclss_core::parameter::{Key, Keys};
 use eclss_core::{
-    Active, Element, Fingerprint, InputSpec, Line, Network, NetworkError, Node, NodeKind, Plan, Responsive,
-    Segment, StdElement, example,
+    Active, AnyComponent, Component, Element, Law, Line, Network, NetworkError, Node, NodeKind, Operating,
+    ParameterError, Plan, Responsive, Segment, example,
 };
 
 use super::*;
@@ -28,11 +29,17 @@ impl Tables {
         self.nodes.len() as u32 - 1
     }
 
-    fn line(&mut self, from: u32, to: u32, elements: &[StdElement]) {
+    fn line(&mut self, from: u32, to: u32, elements: &[AnyComponent]) {
         self.line_of_density(from, to, elements, 0.0);
     }
 
-    fn line_of_density(&mut self, from: u32, to: u32, elements: &[StdElement], reference_density_kg_m3: f32) {
+    fn line_of_density(
+        &mut self,
+        from: u32,
+        to: u32,
+        elements: &[AnyComponent],
+        reference_density_kg_m3: f32,
+    ) {
         let responds = elements.iter().any(Element::responds) || reference_density_kg_m3 > 0.0;
         let line = self.lines.len() as u32;
         let first_segment = self.segments.len() as u32;
@@ -86,13 +93,13 @@ impl Tables {
 
 const CABIN: NodeKind = NodeKind::Cabin { volume_m3: 10.0 };
 
-fn pipe(resistance_pa_s2_kg2: f32) -> StdElement {
-    StdElement::Pipe(Pipe { resistance_pa_s2_kg2 })
+fn pipe(resistance_pa_s2_kg2: f32) -> AnyComponent {
+    Pipe::new(resistance_pa_s2_kg2).into_any()
 }
 
-fn fan(shutoff_pa: f32) -> StdElement {
+fn fan(shutoff_pa: f32) -> AnyComponent {
     let curve = HeadCurve { shutoff_pa, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 1e3 };
-    StdElement::Fan(Fan { curve })
+    Fan::new(curve).into_any()
 }
 
 fn near(found: f64, exact: f64) {
@@ -177,7 +184,7 @@ fn a_dead_end_and_a_closed_valve_come_to_rest() {
     tables.line(supply, end, &[fan(30.0), pipe(100.0)]);
     tables.line(supply, closed, &[pipe(100.0)]);
     let valve = Valve { open_resistance_pa_s2_kg2: 90.0, exponent: 3.0, leakage_opening: 1e-3 };
-    tables.line(closed, sink, &[StdElement::Valve(valve)]);
+    tables.line(closed, sink, &[valve.into_any()]);
     tables.inputs[1] = 0.0;
     let found = tables.steady().unwrap();
     assert!(found.flow_kg_s[0].abs() < 1e-9, "{found:?}");
@@ -193,7 +200,7 @@ fn a_drain_takes_its_share_on_the_way_to_a_boundary() {
     let middle = tables.node(NodeKind::Junction, 0.0);
     let dryer =
         HeatExchanger { resistance_pa_s2_kg2: 500.0, liquid_fraction: 0.25, separator_efficiency: 1.0 };
-    tables.line(high, middle, &[fan(100.0), StdElement::HeatExchanger(dryer)]);
+    tables.line(high, middle, &[fan(100.0), dryer.into_any()]);
     tables.line(middle, low, &[pipe(200.0)]);
     let found = tables.steady().unwrap();
     let behind = (100.0 / (1500.0 * 1.25f64.powi(2) + 200.0)).sqrt();
@@ -213,12 +220,25 @@ fn fans_head_to_head_balance_only_through_a_loss() {
     near(found.gauge_pa[2], 200.0);
 }
 
-/// A fan that loses nothing at any flow, as only a foreign element set could have it.
-struct Ideal;
+eclss_core::parameters! {
+    /// A fan that loses nothing at any flow, as only a foreign kind could.
+    pub struct Ideal {
+        /// Head [Pa].
+        pub head_pa: f32,
+    }
+}
 
-impl Element for Ideal {
-    fn input_spec(&self, _index: usize) -> Option<InputSpec> {
-        None
+impl Component for Ideal {
+    const KIND: &'static str = "ideal";
+    const ABOUT: &'static str = "A fan without a loss.";
+    const KEYS: Keys = &[&[Key::required("head_pa", "Pa", (0.0, 1e3), "Head.")]];
+
+    fn from_file(draft: &mut Draft<'_>) -> Self {
+        Self { head_pa: draft.single("head_pa") }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
     }
 
     fn is_active(&self) -> bool {
@@ -226,21 +246,20 @@ impl Element for Ideal {
     }
 
     fn law(&self, _at: &Operating<'_>) -> Law {
-        Law { resistance: 0.0, linear: 0.0, head: 300.0 }
+        Law { resistance: 0.0, linear: 0.0, head: self.head_pa }
     }
-
-    fn check(&self) -> Result<(), ParameterError> {
-        Ok(())
-    }
-
-    fn feed(&self, _hash: &mut Fingerprint) {}
 }
 
 #[test]
 fn fans_without_a_loss_are_refused() {
     let held = Node { kind: NodeKind::Boundary, start_gauge_pa: 0.0, temperature_k: 295.15 };
     let nodes = [held, held, Node { kind: NodeKind::Junction, ..held }];
-    let segment = |_| Segment { element: Ideal, inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 0 };
+    let segment = |_| Segment {
+        element: Ideal { head_pa: 300.0 }.into_any(),
+        inertance_per_m: 0.0,
+        outlet_volume_m3: 0.0,
+        first_input: 0,
+    };
     let segments = [0, 1].map(segment);
     let line = |index| Line {
         from: index,
@@ -314,8 +333,8 @@ fn zero(mut low: f64, mut high: f64, falling: impl Fn(f64) -> f64) -> f64 {
     f64::midpoint(low, high)
 }
 
-fn orifice(effective_area_m2: f32) -> StdElement {
-    StdElement::Orifice(Orifice { effective_area_m2 })
+fn orifice(effective_area_m2: f32) -> AnyComponent {
+    Orifice { effective_area_m2 }.into_any()
 }
 
 const REFERENCE: f64 = 101_325.0;
@@ -385,7 +404,7 @@ fn a_leaking_cabin_keeps_its_air() {
 
 #[test]
 fn a_check_valve_at_rest_passes_or_leaks() {
-    let check = StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 4e3, reverse_pa_s_kg: 1e9 });
+    let check = CheckValve { resistance_pa_s2_kg2: 4e3, reverse_pa_s_kg: 1e9 }.into_any();
     for (rise, exact) in [(250.0f32, (250.0f64 / 5e3).sqrt()), (-250.0, -250.0 / 1e9)] {
         let mut tables = Tables::default();
         let (one, other) = (tables.node(NodeKind::Boundary, rise), tables.node(NodeKind::Boundary, 0.0));
@@ -398,7 +417,7 @@ fn a_check_valve_at_rest_passes_or_leaks() {
 #[test]
 fn a_check_valve_beside_a_closed_valve_does_not_end_the_search_at_its_kink() {
     let check = |resistance_pa_s2_kg2: f32, reverse_pa_s_kg: f32| {
-        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2, reverse_pa_s_kg })
+        CheckValve { resistance_pa_s2_kg2, reverse_pa_s_kg }.into_any()
     };
     let mut tables = Tables::default();
     let (high, cabin) = (tables.node(NodeKind::Boundary, 240.298_52), tables.node(CABIN, -48.0));
@@ -431,7 +450,7 @@ fn a_regulator_rests_in_its_band() {
         let bottle = tables.node(NodeKind::Boundary, supply as f32 - 101_325.0);
         let cabin = tables.node(CABIN, 0.0);
         let space = tables.node(NodeKind::Boundary, -101_325.0);
-        tables.line(bottle, cabin, &[StdElement::PressureRegulator(regulator)]);
+        tables.line(bottle, cabin, &[regulator.into_any()]);
         tables.line(cabin, space, &[orifice(1e-6)]);
         let found = tables.steady().unwrap();
         let area = |p: f64| f64::from(1e-6f32) * ((101_000.0 - p) / 400.0).clamp(1e-3, 1.0);
@@ -459,7 +478,7 @@ fn a_relief_valve_rests_open_or_never() {
         let cabin = tables.node(CABIN, 0.0);
         let outside = tables.node(NodeKind::Boundary, 0.0);
         tables.line(bottle, cabin, &[orifice(5e-6)]);
-        tables.line(cabin, outside, &[StdElement::ReliefValve(relief(reseat_pa))]);
+        tables.line(cabin, outside, &[relief(reseat_pa).into_any()]);
         tables.steady()
     };
     // Open it loses 1e7·(12.9 g/s)² = 1.7 kPa.

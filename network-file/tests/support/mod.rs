@@ -23,3 +23,9 @@ pub(crate) fn assert_closed(simulator: &Simulator<'_>) {
         assert!(ledger.gap().abs() < 1e-6 * scale, "{ledger:?}");
     }
 }
+
+/// Value of the signal with this name, as in `condenser.heat`.
+pub(crate) fn signal(loaded: &Loaded, simulator: &Simulator<'_>, name: &str) -> f32 {
+    let found = loaded.signals().into_iter().find(|signal| signal.name == name);
+    simulator.signal(found.unwrap_or_else(|| panic!("there is no signal {name}")).signal)
+}

@@ -5,7 +5,7 @@
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
-use eclss_core::{Compiled, CompiledSimulator, Health, Method, Network, Settings, Simulator, StdElement};
+use eclss_core::{AnyComponent, Compiled, CompiledSimulator, Health, Method, Network, Settings, Simulator};
 
 #[allow(clippy::unreadable_literal, clippy::excessive_precision, reason = "generated")]
 #[allow(missing_docs, dead_code, unreachable_pub, reason = "generated")]
@@ -17,7 +17,7 @@ mod table {
 struct With<const METHOD: usize>;
 
 impl<const METHOD: usize> Compiled for With<METHOD> {
-    type Element = StdElement;
+    type Element = AnyComponent;
     const NETWORK: Network<'static> = table::Configured::NETWORK;
     const SETTINGS: Settings = Settings { method: Method::ALL[METHOD], step_us: table::STEP_US };
 }

@@ -2,75 +2,64 @@
 
 use super::{Figure, calling, counted};
 use core::hint::black_box;
-use eclss_core::element::{
+use eclss_core::components::{
     Bed, CheckValve, Fan, Hatch, HeadCurve, HeatExchanger, Measured, Orifice, Pipe, PressureRegulator, Pump,
     ReferencePipe, ReliefValve, Valve,
 };
-use eclss_core::{Element as _, Law, Operating, StdElement};
+use eclss_core::{AnyComponent, Element as _, Law, Operating};
 
 const CURVE: HeadCurve =
     HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 120.0, quadratic_pa_s2_kg2: 12_984.201 };
 
 /// Every component: those of the paper with parameters from its loop, the others with usual ones.
-const ELEMENTS: [(&str, StdElement); 13] = [
-    ("pipe", StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 805.874 })),
+const ELEMENTS: [(&str, AnyComponent); 13] = [
+    ("pipe", Pipe::new(805.874).into_any()),
     (
         "reference_pipe",
-        StdElement::ReferencePipe(ReferencePipe {
-            pressure_drop_pa: 50.0,
-            mass_flow_kg_s: 0.08,
-            exponent: 1.75,
-        }),
+        ReferencePipe { pressure_drop_pa: 50.0, mass_flow_kg_s: 0.08, exponent: 1.75 }.into_any(),
     ),
     (
         "valve",
-        StdElement::Valve(Valve {
-            open_resistance_pa_s2_kg2: 85.978_46,
-            exponent: 3.134_165,
-            leakage_opening: 1e-3,
-        }),
+        Valve { open_resistance_pa_s2_kg2: 85.978_46, exponent: 3.134_165, leakage_opening: 1e-3 }.into_any(),
     ),
-    ("fan", StdElement::Fan(Fan { curve: CURVE })),
-    ("pump", StdElement::Pump(Pump { curve: CURVE })),
+    ("fan", Fan::new(CURVE).into_any()),
+    ("pump", Pump::new(CURVE).into_any()),
     (
         "heat_exchanger",
-        StdElement::HeatExchanger(HeatExchanger {
+        HeatExchanger {
             resistance_pa_s2_kg2: 16_007.337,
             liquid_fraction: 0.0045,
             separator_efficiency: 1.0,
-        }),
+        }
+        .into_any(),
     ),
-    (
-        "bed",
-        StdElement::Bed(Bed { resistance_pa_s2_kg2: 20_000.0, mass_fraction: 0.01, capture_efficiency: 0.9 }),
-    ),
-    ("orifice", StdElement::Orifice(Orifice { effective_area_m2: 1e-4 })),
-    (
-        "check_valve",
-        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 5_000.0, reverse_pa_s_kg: 1e8 }),
-    ),
+    ("bed", Bed { resistance_pa_s2_kg2: 20_000.0, mass_fraction: 0.01, capture_efficiency: 0.9 }.into_any()),
+    ("orifice", Orifice { effective_area_m2: 1e-4 }.into_any()),
+    ("check_valve", CheckValve { resistance_pa_s2_kg2: 5_000.0, reverse_pa_s_kg: 1e8 }.into_any()),
     (
         "relief_valve",
-        StdElement::ReliefValve(ReliefValve {
+        ReliefValve {
             crack_pa: 3_000.0,
             reseat_pa: 2_500.0,
             resistance_pa_s2_kg2: 1e6,
             effective_area_m2: 0.0,
             leakage_opening: 1e-3,
-        }),
+        }
+        .into_any(),
     ),
     (
         "pressure_regulator",
-        StdElement::PressureRegulator(PressureRegulator {
+        PressureRegulator {
             effective_area_m2: 1e-5,
             set_point_pa: 101_000.0,
             band_pa: 400.0,
             lag_s: 0.5,
             leakage_opening: 1e-3,
-        }),
+        }
+        .into_any(),
     ),
-    ("hatch", StdElement::Hatch(Hatch { open_resistance_pa_s2_kg2: 0.5, leakage_opening: 1e-3 })),
-    ("measured", StdElement::Measured(Measured { largest_flow_kg_s: 0.2, slope_kg_s_pa: 1e-4 })),
+    ("hatch", Hatch { open_resistance_pa_s2_kg2: 0.5, leakage_opening: 1e-3 }.into_any()),
+    ("measured", Measured { largest_flow_kg_s: 0.2, slope_kg_s_pa: 1e-4 }.into_any()),
 ];
 
 /// Inputs (opening or speed), from shut to more than nominal.
@@ -107,6 +96,6 @@ pub(super) fn measure() {
 }
 
 #[inline(never)]
-fn evaluate(element: &StdElement, operating: &Operating<'_>) -> Law {
+fn evaluate(element: &AnyComponent, operating: &Operating<'_>) -> Law {
     element.law(operating)
 }

@@ -5,7 +5,7 @@ use crate::network::table;
 use core::hint::black_box;
 use defmt::error;
 use eclss_core::{
-    Compiled, CompiledSimulator, Health, Method, Network, Settings, Simulator, Sizes, StdElement, Storage,
+    AnyComponent, Compiled, CompiledSimulator, Health, Method, Network, Settings, Simulator, Sizes, Storage,
 };
 use static_cell::ConstStaticCell;
 
@@ -43,8 +43,8 @@ generated!(
 /// A compiled-in network under one of the methods.
 struct With<N, const METHOD: usize>(core::marker::PhantomData<N>);
 
-impl<N: Compiled<Element = StdElement>, const METHOD: usize> Compiled for With<N, METHOD> {
-    type Element = StdElement;
+impl<N: Compiled<Element = AnyComponent>, const METHOD: usize> Compiled for With<N, METHOD> {
+    type Element = AnyComponent;
     const NETWORK: Network<'static> = N::NETWORK;
     const SETTINGS: Settings = Settings { method: Method::ALL[METHOD], step_us: N::SETTINGS.step_us };
 }
@@ -146,7 +146,7 @@ fn large_general() -> Option<()> {
 }
 
 #[inline(never)]
-fn specialised<N: Compiled<Element = StdElement>>(simulator: &mut CompiledSimulator<'_, N>) -> Health {
+fn specialised<N: Compiled<Element = AnyComponent>>(simulator: &mut CompiledSimulator<'_, N>) -> Health {
     simulator.step()
 }
 

@@ -1,7 +1,9 @@
 //! Draws a network: topology, volumes, elements, step and what its inputs do.
 
-use eclss_core::element::{Bed, CheckValve, Fan, HeadCurve, HeatExchanger, Pipe, ReferencePipe, Valve};
-use eclss_core::{Active, Element, Line, Network, Node, NodeKind, Responsive, Segment, StdElement};
+use eclss_core::components::{
+    Bed, CheckValve, Fan, HeadCurve, HeatExchanger, Pipe, Pump, ReferencePipe, Valve,
+};
+use eclss_core::{Active, AnyComponent, Element, Line, Network, Node, NodeKind, Responsive, Segment};
 use eclss_network_file::PlanTables;
 
 use crate::dice::Dice;
@@ -139,13 +141,12 @@ impl Drawn {
         let mut inputs = self.inputs.clone();
         for segment in &self.segments {
             let slot = segment.first_input as usize;
-            match segment.element {
-                StdElement::Valve(_) if dice.chance(0.7) => {
-                    inputs[slot] = f32::from(u8::from(dice.chance(0.5)));
-                }
-                StdElement::Valve(_) => inputs[slot] = dice.unit() as f32,
-                StdElement::Fan(_) | StdElement::Pump(_) => inputs[slot] = dice.between(0.0, 1.5) as f32,
-                _ => {}
+            let element = &segment.element;
+            if element.is::<Valve>() {
+                inputs[slot] =
+                    if dice.chance(0.7) { f32::from(u8::from(dice.chance(0.5))) } else { dice.unit() as f32 };
+            } else if element.is::<Fan>() || element.is::<Pump>() {
+                inputs[slot] = dice.between(0.0, 1.5) as f32;
             }
         }
         inputs
@@ -172,42 +173,44 @@ impl Drawn {
     }
 }
 
-fn element(dice: &mut Dice, resistance: f64, kinds: Kinds) -> StdElement {
+fn element(dice: &mut Dice, resistance: f64, kinds: Kinds) -> AnyComponent {
     let resistance_pa_s2_kg2 = resistance as f32;
     match dice.unit() {
-        share if share < 0.2 => StdElement::Valve(Valve {
+        share if share < 0.2 => Valve {
             open_resistance_pa_s2_kg2: resistance_pa_s2_kg2.min(1e5),
             exponent: dice.between(1.0, 3.2) as f32,
             leakage_opening: 1e-3,
-        }),
+        }
+        .into_any(),
         share if share < 0.35 => {
             let linear_pa_s_kg = if kinds.follow_flow { dice.power_of_ten(0.0, 3.0) as f32 } else { 0.0 };
             let shutoff_pa = dice.between(0.0, 500.0) as f32;
-            StdElement::Fan(Fan {
-                curve: HeadCurve { shutoff_pa, linear_pa_s_kg, quadratic_pa_s2_kg2: resistance_pa_s2_kg2 },
-            })
+            Fan::new(HeadCurve { shutoff_pa, linear_pa_s_kg, quadratic_pa_s2_kg2: resistance_pa_s2_kg2 })
+                .into_any()
         }
-        share if share < 0.42 && kinds.drains => StdElement::HeatExchanger(HeatExchanger {
+        share if share < 0.42 && kinds.drains => HeatExchanger {
             resistance_pa_s2_kg2,
             liquid_fraction: dice.between(0.0, 0.02) as f32,
             separator_efficiency: 1.0,
-        }),
+        }
+        .into_any(),
         share if share < 0.46 && kinds.drains => {
             let mass_fraction = dice.between(0.0, 0.01) as f32;
-            StdElement::Bed(Bed { resistance_pa_s2_kg2, mass_fraction, capture_efficiency: 0.9 })
+            Bed { resistance_pa_s2_kg2, mass_fraction, capture_efficiency: 0.9 }.into_any()
         }
         share if share < 0.56 && kinds.follow_flow => {
             let mass_flow_kg_s = 0.05f32;
-            StdElement::ReferencePipe(ReferencePipe {
+            ReferencePipe {
                 pressure_drop_pa: resistance_pa_s2_kg2 * mass_flow_kg_s * mass_flow_kg_s,
                 mass_flow_kg_s,
                 exponent: dice.between(1.0, 2.0) as f32,
-            })
+            }
+            .into_any()
         }
-        share if share < 0.64 && kinds.check_valves => StdElement::CheckValve(CheckValve {
-            resistance_pa_s2_kg2,
-            reverse_pa_s_kg: dice.power_of_ten(6.0, 10.0) as f32,
-        }),
-        _ => StdElement::Pipe(Pipe { resistance_pa_s2_kg2 }),
+        share if share < 0.64 && kinds.check_valves => {
+            CheckValve { resistance_pa_s2_kg2, reverse_pa_s_kg: dice.power_of_ten(6.0, 10.0) as f32 }
+                .into_any()
+        }
+        _ => Pipe::new(resistance_pa_s2_kg2).into_any(),
     }
 }

@@ -188,11 +188,11 @@ pub fn time_constant_s(network: &Network<'_>, target: &Steady, storage: Storage,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eclss_core::element::{CheckValve, Pipe};
-    use eclss_core::{Node, StdElement, example};
+    use eclss_core::components::{CheckValve, Pipe};
+    use eclss_core::{AnyComponent, Node, example};
 
     /// One volume at rest behind a pipe, a volume inside and a second element, to a held node [s].
-    fn time_s(volume_m3: f32, inertance_per_m: f32, inside_m3: f32, second: StdElement) -> f64 {
+    fn time_s(volume_m3: f32, inertance_per_m: f32, inside_m3: f32, second: AnyComponent) -> f64 {
         let node = |kind| Node { kind, start_gauge_pa: 0.0, temperature_k: 300.0 };
         let nodes = [node(NodeKind::Boundary), node(NodeKind::Cabin { volume_m3 })];
         let segment = |element, inertance_per_m, outlet_volume_m3| Segment {
@@ -201,7 +201,7 @@ mod tests {
             outlet_volume_m3,
             first_input: 0,
         };
-        let pipe = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e4 });
+        let pipe = Pipe::new(1e4).into_any();
         let segments = [segment(second, 0.0, inside_m3), segment(pipe, inertance_per_m, 0.0)];
         let line = example::paper_loop().lines[0];
         let lines = [Line { to: 1, segments: 2, flow_segment: 1, laminar_below_pa: 1.0, ..line }];
@@ -213,13 +213,12 @@ mod tests {
 
     const PER_M3: f64 = 1.0 / (287.05 * 300.0);
     /// Forward it resists with 1e4, backward it leaks 1e-7 kg/(s·Pa).
-    const VALVE: StdElement =
-        StdElement::CheckValve(CheckValve { resistance_pa_s2_kg2: 1e4, reverse_pa_s_kg: 1e7 });
+    const VALVE: AnyComponent = CheckValve { resistance_pa_s2_kg2: 1e4, reverse_pa_s_kg: 1e7 }.into_any();
 
     #[test]
     fn one_volume_behind_a_column_is_a_quadratic_equation() {
         // The pipe has all of the resistance that counts: 1e4·√(1 Pa/1e4) at rest.
-        let wide = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1e-6 });
+        let wide = Pipe::new(1e-6).into_any();
         let loss = 1e4 * (1.0f64 / 1e4).sqrt();
         for volume in [1e-4, 1e-2, 1.0, 100.0] {
             for inertance in [1.0, 30.0, 1000.0] {

@@ -5,7 +5,7 @@
 //! lines, special lines. A line is **special** when its law may change or it drains anything; all others are a
 //! constant quadratic resistance with a head. Few lines are special in a large network, and only they pay for it.
 
-use crate::element::Element;
+use crate::component::Element;
 use crate::method::common::{Cut, NodeState};
 use crate::method::responsive;
 use crate::{Line, Network};

@@ -1,7 +1,7 @@
 //! Flow of one line: its law in closed form, its booking, and what it means for the nodes at its ends.
 
 use super::layout::{LineLaw, LineState, Special, Sum, Sums};
-use crate::element::Law;
+use crate::law::Law;
 use crate::math;
 
 /// What one end of a line means for its node: transfer into the node [kg], conductance there [kg/(s·Pa)].

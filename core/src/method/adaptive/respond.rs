@@ -4,7 +4,7 @@
 use super::INNER_ITERATIONS;
 use super::layout::{NodeFigures, State, Sums, Work};
 use super::line::{set_sums, special_flow};
-use crate::element::Element;
+use crate::component::Element;
 use crate::method::common;
 use crate::method::responsive::{Given, Reach};
 use crate::{Network, Responsive};

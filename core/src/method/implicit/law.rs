@@ -5,7 +5,8 @@
 
 use super::super::common::flow_ratios;
 use super::layout::{Work, at, continues, is_joined};
-use crate::element::{Element, Law, Operating};
+use crate::component::Element;
+use crate::law::{Law, Operating};
 use crate::unroll::every;
 use crate::{Line, Network, Segment, math};
 

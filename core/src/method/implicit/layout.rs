@@ -5,7 +5,7 @@
 //! joint without volume is no point; the segments around it are one *reach*, whose figures stand at its last segment.
 
 use super::super::common::{Common, Cut};
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Network, Plan};
 
 /// Figures of the volume behind a segment: C/τ [kg/(s·Pa)]; dp/dm [Pa/kg]; known part of its balance less what its increment holds [kg/s]; α [Pa],

@@ -15,7 +15,7 @@
 
 use super::layout::{Port, State, Work, at, continues};
 use super::range;
-use crate::element::Element;
+use crate::component::Element;
 use crate::{Line, Network, math};
 
 /// What a line has at its two nodes: the ports, and what its own volumes hold there [kg/(s·Pa)].

@@ -6,7 +6,7 @@
 
 use super::layout::{Work, at, continues};
 use super::{CARRY_OVER, Model, law, range, solve};
-use crate::element::Element;
+use crate::component::Element;
 use crate::method::responsive::{Given, Reach};
 use crate::{Line, Network, Plan, Responsive, math};
 

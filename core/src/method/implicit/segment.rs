@@ -11,7 +11,7 @@
 use super::law;
 use super::layout::{self, Port, at};
 use super::{CARRY_OVER, EXPECTED_DRIVE_PA};
-use crate::element::Element;
+use crate::component::Element;
 use crate::method::responsive;
 use crate::unroll::every;
 use crate::{Network, math};

@@ -112,7 +112,7 @@ impl Block<'_> {
 mod tests {
     use super::*;
     use crate::climate::Climate;
-    use crate::element::{Pipe, StdElement};
+    use crate::components::Pipe;
     use crate::method::implicit::matrix;
     use crate::{Line, Network, Node, NodeKind, Segment};
 
@@ -154,7 +154,7 @@ mod tests {
             laminar_below_pa: 1e-3,
             start_flow_kg_s: 0.0,
         });
-        let pipe = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1.0 });
+        let pipe = Pipe::new(1.0).into_any();
         let segment = Segment { element: pipe, inertance_per_m: 1.0, outlet_volume_m3: 0.0, first_input: 0 };
         let order: [u32; NODES] = core::array::from_fn(|index| index as u32);
         let plan = Plan {

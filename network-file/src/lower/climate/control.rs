@@ -1,6 +1,7 @@
 //! Control: sensors, controllers and actuators of the document, and what of them makes no sense.
 
 use eclss_core::climate::ControlLoop;
+use eclss_core::component::Table;
 use eclss_core::control::{Actuator, Controller, Pid, Sensor, Thermostat};
 use eclss_core::signal::Owner;
 use eclss_core::{Output, Signal};
@@ -58,16 +59,17 @@ impl Lowering<'_, '_> {
     fn unit_of(&self, slot: u32) -> &'static str {
         let Some(slot) = self.tables.slots.get(slot as usize) else { return "" };
         let Some(control) = self.of_setpoint(&slot.name) else { return slot.spec.unit };
-        self.measured(&self.file.controls[control].measures).map_or("", |signal| signal.spec().unit())
+        let signal = self.measured(&self.file.controls[control].measures);
+        signal.map_or("", |signal| self.climate.climate().spec_of_signal(signal).unit())
     }
 
     /// Signal of a volume or an exchanger by its name.
     fn measured(&self, text: &str) -> Option<Signal> {
         let (id, what) = text.rsplit_once('.')?;
         let climate = self.climate.climate();
-        let is = |signal: &Signal| signal.spec().name == what;
-        if let Some(index) = self.climate.exchanger_names.iter().position(|name| name == id) {
-            return climate.exchanger_signals(index).find(is);
+        let is = |signal: &Signal| climate.spec_of_signal(*signal).name == what;
+        if let Some(index) = self.climate.names.iter().position(|name| name == id) {
+            return climate.component_signals(index).find(is);
         }
         let node = self.file.nodes.iter().position(|node| node.id == id)?;
         climate.volume_signals(node).find(is)
@@ -133,7 +135,7 @@ impl Lowering<'_, '_> {
         let measures = self.measured(&entry.measures);
         if measures.is_none() {
             let span = self.notes.place(path, &["measures"]);
-            let help = format!("measured are {}", measurable());
+            let help = format!("measured are {}", measurable(&self.climate.tables));
             self.notes.refuse_with(span, format!("there is nothing `{}` to measure", entry.measures), help);
         }
         let setpoint = format!("{}.setpoint", entry.id);
@@ -199,15 +201,18 @@ impl Lowering<'_, '_> {
     }
 }
 
-/// Names of everything that a sensor can look at.
-fn measurable() -> String {
+/// Names of everything that a sensor can look at, with the figures of the components in these tables.
+fn measurable(tables: &[Table]) -> String {
     let signals = Output::ALL.iter().flat_map(|output| (0..output.items()).map(|item| output.item(0, item)));
     let name = |signal: Signal| match signal.output.owner() {
         Owner::Volume | Owner::Air => Some(format!("<node>.{}", signal.spec().name)),
-        Owner::Exchanger => Some(format!("<condenser>.{}", signal.spec().name)),
         _ => None,
     };
-    signals.filter_map(name).collect::<Vec<_>>().join(", ")
+    let of_kind = |kind: &Table| {
+        let specs = kind.kind().output_specs();
+        specs.iter().map(|spec| format!("<{}>.{}", kind.kind().name(), spec.name)).collect::<Vec<_>>()
+    };
+    signals.filter_map(name).chain(tables.iter().flat_map(of_kind)).collect::<Vec<_>>().join(", ")
 }
 
 /// Seed of the noise of a sensor by its name (FNV-1a), so that no two sensors have the same noise and a file has the same
