@@ -31,7 +31,7 @@ pub(super) struct Characteristic {
     /// How much of a change of the inlet's and of the outlet's pressure drives the flow [1]: 1 where the law does not
     /// look at pressures itself, 0 for the outlet of a choked flow.
     pub(super) feels: [f64; 2],
-    /// Flow of a line in which pressures have no say [kg/s].
+    /// Flow of a line in which pressures have no say [kg/s]: a source's, or none through a closed seat.
     pub(super) source_kg_s: Option<f64>,
 }
 
@@ -75,6 +75,8 @@ impl Characteristic {
             sums.head += f64::from(law.head);
             if law.is_source() {
                 sums.source_kg_s = Some(f64::from(law.head) / f64::from(law.linear));
+            } else if law.is_tight() {
+                sums.source_kg_s = Some(0.0);
             }
             ratio /= gain(segment);
         }

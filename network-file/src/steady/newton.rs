@@ -17,6 +17,10 @@ const MOST: u32 = 400;
 const HALVINGS: u32 = 8;
 /// Rounds for which flows, laws and memories are looked at in turn at the start.
 const START_ROUNDS: u32 = 40;
+/// Slope by which a source of flow stands in the matrix, so that no node is without an equation [kg/(s·Pa)].
+const SOURCE_KG_S_PA: f64 = 1e-18;
+/// Flow of a source below which it is none [kg/s].
+const SMALLEST_SOURCE_KG_S: f64 = 1e-12;
 /// Pressure difference below which nothing is told apart [Pa].
 const SMALLEST_SPAN_PA: f64 = 1e-3;
 /// Residual at which there is nothing left to gain.
@@ -290,7 +294,7 @@ impl<'n, E: Element> Problem<'n, E> {
             let scale = self.span_pa.max(drop.abs().min(self.built_pa));
             let lack = match law.source_kg_s {
                 None => (drop - law.loss(w)).abs() / scale,
-                Some(flow) => (w - flow).abs() / flow.abs().max(f64::MIN_POSITIVE),
+                Some(flow) => (w - flow).abs() / flow.abs().max(SMALLEST_SOURCE_KG_S),
             };
             residual = worse(residual, lack);
             net[line.from as usize] -= law.inlet * w;
@@ -347,7 +351,10 @@ impl<'n, E: Element> Problem<'n, E> {
         let all = self.network.lines.iter().zip(&point.laws).zip(&point.flow).zip(&self.tables.stamps);
         for (((line, law), &w), &[from_from, from_to, to_from, to_to]) in all {
             let drop = Self::drop_pa(line, &point.gauge);
-            let b = 1.0 / law.slope(w.abs().max(law.driven(drop).abs()));
+            let b = match law.source_kg_s {
+                None => 1.0 / law.slope(w.abs().max(law.driven(drop).abs())),
+                Some(_) => SOURCE_KG_S_PA,
+            };
             let ahead = law.source_kg_s.unwrap_or_else(|| w + b * (drop - law.loss(w)));
             let [by_from, by_to] = law.feels.map(|feels| b * feels);
             matrix.add(from_from, law.inlet * by_from);
@@ -364,7 +371,8 @@ impl<'n, E: Element> Problem<'n, E> {
                 // A loop through one node feels no pressure of it, unless its density does.
                 matrix.add(from_from, -(law.inlet * by_to + law.outlet * by_from));
             }
-            lines.push(([by_from, by_to], ahead));
+            let moved = if law.source_kg_s.is_some() { [0.0; 2] } else { [by_from, by_to] };
+            lines.push((moved, ahead));
         }
         matrix.factorise();
         matrix.solve(&mut known);
