@@ -74,6 +74,7 @@ pub fn paper_loop() -> Network<'static> {
             row_of: &[0],
             leaves: &[[Plan::NOWHERE; 2]],
             terms: &[[12, 1, Plan::NOWHERE], [15, 1, Plan::NOWHERE]],
+            series: &[],
             composite: &[0],
             between: &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0]],
         },

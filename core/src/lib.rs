@@ -66,7 +66,7 @@ pub use network::{Active, Line, Network, NetworkError, Responsive, Segment};
 pub use node::{Node, NodeKind};
 pub use operator::{Margin, Proof};
 pub use parameter::{InputSpec, ParameterError, Reason};
-pub use plan::{End, Plan, PlanError};
+pub use plan::{End, Plan, PlanError, Series};
 pub use schedule::{Interpolation, Schedule, SchedulePoint};
 pub use signal::{Output, Signal};
 pub use simulator::{

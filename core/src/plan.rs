@@ -10,6 +10,9 @@ use crate::{Line, Network, Node, NodeKind};
 /// An end of a line: twice the line's index, plus one for its outlet.
 pub type End = u32;
 
+/// A row with two later neighbours, see [`Plan::series`].
+pub type Series = [u32; 9];
+
 /// Connection tables of one network, borrowed like the rest of the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan<'a> {
@@ -34,8 +37,13 @@ pub struct Plan<'a> {
     /// [`Plan::NOWHERE`] where there is none.
     pub leaves: &'a [[u32; 2]],
     /// For every entry of `ends`: twice its port, plus one at an outlet; the neighbour if it is held or eliminated
-    /// before as a branch, else the number of nodes; and the neighbour's row if not, else [`Plan::NOWHERE`].
+    /// before as a branch, else the number of nodes; and if not, the entry of the neighbour in the node's row, else
+    /// [`Plan::NOWHERE`].
     pub terms: &'a [[u32; 3]],
+    /// Rows behind the branches that have two later neighbours a and b at most: node; entries of a and b in its row; its own
+    /// entries in the rows of a and of b; entry of b in the row of a and of a in the row of b; a and b. What does not exist
+    /// stands one past the entries or nodes.
+    pub series: &'a [Series],
     /// Lines with a volume inside or a drain, which have more than one flow. Their ports are two each, inlet and outlet,
     /// behind those of all segments; the port of any other line is its last segment.
     pub composite: &'a [u32],
@@ -64,6 +72,8 @@ pub enum PlanError {
     Between(u32),
     /// A node's terms, or its only later neighbour, are not those that follow from lines and order.
     Term(u32),
+    /// The rows with two later neighbours are not those that follow from order and pattern.
+    Series,
 }
 
 impl Plan<'_> {
@@ -82,6 +92,7 @@ impl Plan<'_> {
         row_of: &[],
         leaves: &[],
         terms: &[],
+        series: &[],
         composite: &[],
         between: &[],
     };
@@ -137,7 +148,37 @@ impl Plan<'_> {
         } else if held || branch {
             [port, other, Self::NOWHERE]
         } else {
-            [port, nodes.len() as u32, others]
+            [port, nodes.len() as u32, self.entry(row, others).unwrap_or(Self::NOWHERE)]
+        }
+    }
+
+    /// Entry of a column in a row.
+    fn entry(&self, row: u32, column: u32) -> Option<u32> {
+        let (columns, first) = self.row(row as usize)?;
+        columns.binary_search(&column).ok().map(|place| (first + place) as u32)
+    }
+
+    /// Returns what `series` has for a row; `None` for one with more later neighbours, or for one that does not exist.
+    pub fn series_of(&self, row: usize) -> Option<Series> {
+        let node = *self.order.get(row)?;
+        let (_, upper) = self.sides(row);
+        let later = self.columns.get(upper.clone())?;
+        let (no_entry, no_node) = (self.columns.len() as u32, self.row_of.len() as u32);
+        let node_of = |row| at(self.order, row);
+        let between = |row, column| self.entry(row, column);
+        let (own, first) = (row as u32, upper.start as u32);
+        match *later {
+            [] => Some([node, no_entry, no_entry, no_entry, no_entry, no_entry, no_entry, no_node, no_node]),
+            [a] => {
+                let back = between(a, own)?;
+                Some([node, first, no_entry, back, no_entry, no_entry, no_entry, node_of(a), no_node])
+            }
+            [a, b] => {
+                let (from_a, from_b) = (between(a, own)?, between(b, own)?);
+                let (a_b, b_a) = (between(a, b)?, between(b, a)?);
+                Some([node, first, first + 1, from_a, from_b, a_b, b_a, node_of(a), node_of(b)])
+            }
+            _ => None,
         }
     }
 
@@ -249,14 +290,16 @@ impl Plan<'_> {
             }
             let row = self.row_of.get(node as usize).copied().unwrap_or(Self::NOWHERE);
             if let Some(&leaf) = self.leaves.get(row as usize) {
-                let mut later = terms.iter().filter(|[_, _, row]| *row != Self::NOWHERE);
-                let one = later.next().map(|&[port, _, row]| [port / 2, at(self.order, row)]);
+                let mut later = terms.iter().filter(|[_, _, entry]| *entry != Self::NOWHERE);
+                let one =
+                    later.next().map(|&[port, _, entry]| [port / 2, at(self.order, at(self.columns, entry))]);
                 if later.next().is_some() || one.unwrap_or([Self::NOWHERE; 2]) != leaf {
                     return Err(PlanError::Term(node));
                 }
             }
         }
-        Ok(())
+        let series = (self.leaves.len()..self.order.len()).map_while(|row| self.series_of(row));
+        if series.eq(self.series.iter().copied()) { Ok(()) } else { Err(PlanError::Series) }
     }
 
     /// Columns of a row and the entry of the first.

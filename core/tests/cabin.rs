@@ -158,6 +158,7 @@ impl Cabin {
                 row_of: &[0],
                 leaves: &[[Plan::NOWHERE; 2]],
                 terms: &[[2, 1, Plan::NOWHERE], [3, 1, Plan::NOWHERE]],
+                series: &[],
                 composite: &[],
                 between: &[[Plan::NOWHERE; 2], [0, 0]],
             },

@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use eclss_core::{Climate, Element, Line, Network, Node, NodeKind, Plan, Segment};
+use eclss_core::{Climate, Element, Line, Network, Node, NodeKind, Plan, Segment, Series};
 
 /// Owned connection tables; what [`Plan`] borrows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -31,8 +31,10 @@ pub struct PlanTables {
     pub row_of: Vec<u32>,
     /// Port and node of the only later neighbour of the first rows.
     pub leaves: Vec<[u32; 2]>,
-    /// Port, earlier neighbour and later neighbour's row of every end in `ends`.
+    /// Port, earlier neighbour and later neighbour's entry of every end in `ends`.
     pub terms: Vec<[u32; 3]>,
+    /// Rows with two later neighbours at most.
+    pub series: Vec<Series>,
     /// Lines with a port at either end.
     pub composite: Vec<u32>,
     /// Points around every segment.
@@ -99,10 +101,13 @@ impl PlanTables {
                 self.terms.push(term);
                 let row = self.row_of[node] as usize;
                 if row < branches && term[2] != Plan::NOWHERE {
-                    self.leaves[row] = [term[0] / 2, self.order[term[2] as usize]];
+                    let column = self.columns[term[2] as usize];
+                    self.leaves[row] = [term[0] / 2, self.order[column as usize]];
                 }
             }
         }
+        let series = (branches..self.order.len()).map_while(|row| self.plan().series_of(row));
+        self.series = series.collect();
     }
 
     /// Lends the tables.
@@ -118,6 +123,7 @@ impl PlanTables {
             row_of: &self.row_of,
             leaves: &self.leaves,
             terms: &self.terms,
+            series: &self.series,
             composite: &self.composite,
             between: &self.between,
         }

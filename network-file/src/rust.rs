@@ -130,6 +130,8 @@ impl Loaded {
             writeln!(text, "\nstatic PLAN_LEAVES: [[u32; 2]; {}] = {:?};", plan.leaves.len(), plan.leaves);
         let _ = writeln!(text, "\nstatic PLAN_TERMS: [[u32; 3]; {}] = {:?};", plan.terms.len(), plan.terms);
         let _ =
+            writeln!(text, "\nstatic PLAN_SERIES: [[u32; 9]; {}] = {:?};", plan.series.len(), plan.series);
+        let _ =
             writeln!(text, "\nstatic PLAN_BETWEEN: [[u32; 2]; {}] = {:?};", plan.between.len(), plan.between);
     }
 
@@ -180,6 +182,7 @@ impl Loaded {
                          columns: &PLAN_COLUMNS,\n            diagonal: &PLAN_DIAGONAL,\n            \
                          stamps: &PLAN_STAMPS,\n            row_of: &PLAN_ROW_OF,\n            \
                          leaves: &PLAN_LEAVES,\n            terms: &PLAN_TERMS,\n            \
+                         series: &PLAN_SERIES,\n            \
                          composite: &PLAN_COMPOSITE,\n            between: &PLAN_BETWEEN,\n        \
                      }},\n        climate: {},\n    }};\n    \
                  const SETTINGS: Settings = Settings {{ method: METHOD, step_us: STEP_US }};\n\

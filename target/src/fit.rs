@@ -56,6 +56,7 @@ impl Need {
             + size_of_val(plan.row_of)
             + size_of_val(plan.leaves)
             + size_of_val(plan.terms)
+            + size_of_val(plan.series)
             + size_of_val(plan.composite)
             + size_of_val(plan.between);
         let Sizes { state, work, inputs, cursors } = method.sizes(network);

@@ -36,6 +36,7 @@ const _: () = {
         + 4 * plan.stamps.len()
         + 2 * plan.leaves.len()
         + 3 * plan.terms.len()
+        + 9 * plan.series.len()
         + plan.composite.len()
         + 2 * plan.between.len()
         + network.inputs.len();

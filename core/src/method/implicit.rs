@@ -31,7 +31,6 @@ mod line;
 mod matrix;
 mod respond;
 mod segment;
-mod small;
 
 use self::layout::{State, Work, at, continues, is_joined};
 use self::respond::Place as At;
@@ -187,6 +186,12 @@ pub(crate) fn start<E: Element>(
         }
     }
     work.fresh.fill(1.0);
+    if respond::some_react(network) {
+        work.reacts.fill(1.0);
+    } else if !network.responsive.is_empty() {
+        // Densities that one solve finds move the flows that it found.
+        work.again.fill(1.0);
+    }
     law::join::<E, false, false>(network, tau, inputs, state.flow, &mut work);
     if let (true, Some(again)) = (rounding_returns(network, &work), work.again.first_mut()) {
         *again = 1.0;
@@ -268,14 +273,15 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     let model = &Model::<E, UNROLL> { network, tau: stage(method, h) };
     segment::differences(network, work.pressure, work.drop);
     let responds = !network.responsive.is_empty();
+    let reacts = responds && work.reacts.first().is_some_and(|reacts| *reacts > 0.0);
     let given = |stage| Given { inputs: stage, virtual_k: inputs.virtual_k };
-    if responds {
+    if reacts {
         respond::advance(network, h, given(inputs.start), state.flow, state.memory, work);
     }
     // States the laws of responsive lines; nothing in a network without such lines.
     macro_rules! respond {
         ($inputs:expr, $place:expr, $second:literal) => {
-            if responds {
+            if reacts || (responds && matches!($place, At::Start | At::NextStage)) {
                 respond::state_laws::<E, $second>(
                     network,
                     model.tau,
@@ -300,14 +306,14 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true>(model, state.flow, work);
-    // Lines that respond are solved more often in any case.
-    let again = u32::from(two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !responds));
+    // Lines that react are solved more often in any case.
+    let again = u32::from(two_stages || (work.again.first().is_some_and(|again| *again > 0.0) && !reacts));
     let fresh = work.fresh.first_mut().is_some_and(|fresh| core::mem::take(fresh) > 0.0);
     for _ in 0..if fresh { FIRST_STEP } else { again } {
         respond!(first, At::Iterate, false);
         solve::<E, UNROLL, false>(model, state.flow, work);
     }
-    if responds {
+    if reacts {
         respond::solve_more::<E, UNROLL, false>(model, given(first), state.flow, state.memory, work);
     }
     let weights = if two_stages {
@@ -328,7 +334,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         solve::<E, UNROLL, false>(model, state.flow, work);
         respond!(inputs.end, At::Iterate, true);
         solve::<E, UNROLL, false>(model, state.flow, work);
-        if responds {
+        if reacts {
             respond::solve_more::<E, UNROLL, true>(model, given(inputs.end), state.flow, state.memory, work);
         }
         [MEAN, TAU]
@@ -376,7 +382,7 @@ fn commit<E: Element, const UNROLL: bool>(
 ) -> Option<Place> {
     segment::pass(h, weights, [work.differ, work.first, state.flow], work.ports, work.q, work.passed);
     line::transfer(network, h, weights, state, work);
-    if weights[0] > 0.0 && !network.responsive.is_empty() {
+    if weights[0] > 0.0 && work.reacts.first().is_some_and(|reacts| *reacts > 0.0) {
         respond::shut(network, state.flow, work);
     }
     let mut beyond = segment::take_over(work.q, state.flow, state.flow_carry, Fault::FLOW_LIMIT_KG_S);

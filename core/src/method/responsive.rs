@@ -93,28 +93,25 @@ pub(crate) fn chord_factor<E: Element>(network: &Network<'_, E>, entry: &Respons
     most / ROOT_CHORD
 }
 
-/// Gas of both nodes of a line, whose absolute pressures are `nodes_pa`.
-fn gases<E>(
+/// Gas of a node at its gauge pressure [Pa], by the reference density of the line of `entry`.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of the loop over lines")]
+pub(crate) fn gas<E>(
     network: &Network<'_, E>,
     entry: &Responsive,
     virtual_k: &[f32],
-    line: &Line,
-    nodes_pa: [f32; 2],
-) -> [Gas; 2] {
-    let gas = |node: u32, pressure_pa: f32| {
-        let fixed = || network.nodes.get(node as usize).map_or(1.0, |node| node.temperature_k);
-        let temperature = virtual_k.get(node as usize).copied().unwrap_or_else(fixed);
-        let reference = entry.reference_density_kg_m3;
-        if reference > 0.0 {
-            (
-                math::larger(air::density_kg_m3(pressure_pa, temperature) / reference, SMALLEST_RATIO),
-                temperature,
-            )
-        } else {
-            (1.0, temperature)
-        }
-    };
-    [gas(line.from, nodes_pa[0]), gas(line.to, nodes_pa[1])]
+    node: u32,
+    gauge_pa: f32,
+) -> Gas {
+    let fixed = || network.nodes.get(node as usize).map_or(1.0, |node| node.temperature_k);
+    let temperature = virtual_k.get(node as usize).copied().unwrap_or_else(fixed);
+    let reference = entry.reference_density_kg_m3;
+    if reference > 0.0 {
+        let density = air::density_kg_m3(absolute_pa(network, gauge_pa), temperature);
+        (math::larger(density / reference, SMALLEST_RATIO), temperature)
+    } else {
+        (1.0, temperature)
+    }
 }
 
 /// One reach with everything that its laws look at.
@@ -158,7 +155,10 @@ impl<'a, 'n, E: Element> Reach<'a, 'n, E> {
                 + ahead.iter().map(|segment| segment.element.memory()).sum::<usize>(),
             first_ratio: gain,
             ends_pa: absolute(ends_gauge_pa),
-            gases: gases(network, entry, given.virtual_k, line, absolute(nodes_gauge_pa)),
+            gases: [
+                gas(network, entry, given.virtual_k, line.from, nodes_gauge_pa[0]),
+                gas(network, entry, given.virtual_k, line.to, nodes_gauge_pa[1]),
+            ],
         })
     }
 

@@ -32,7 +32,7 @@ use crate::{Margin, Method, Proof, Schedule};
 const MAGIC: [u8; 4] = *b"ECKP";
 /// Rises whenever the words of any method or of the climate change their place or their meaning; `network-file`'s test
 /// `checkpoint_layout` notices.
-const VERSION: u16 = 5;
+const VERSION: u16 = 6;
 const HEADER: usize = 88;
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;

@@ -66,6 +66,7 @@ impl Display for PlanError {
             }
             Self::Between(index) => write!(f, "the points of segment {index} are not those of its line"),
             Self::Term(index) => write!(f, "the terms of node {index} are not those of lines and order"),
+            Self::Series => f.write_str("the rows with two later neighbours are not those of the pattern"),
         }
     }
 }

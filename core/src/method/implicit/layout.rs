@@ -31,8 +31,9 @@ pub(crate) fn sizes<E: Element>(network: &Network<'_, E>) -> (usize, usize) {
             + of_segments
             + 3 * ports
             + 2 * rows
-            + entries
-            + 4,
+            + 3 * network.plan.series.len()
+            + (entries + 1)
+            + 5,
     )
 }
 
@@ -101,8 +102,8 @@ pub(crate) struct Work<'w> {
     pub(crate) known: &'w mut [f32],
     /// dp/dm of every node [Pa/kg].
     pub(crate) per_mass: &'w mut [f32],
-    /// Share of itself that an eliminated node holds [1] and its correction where later nodes do not move [Pa]; one
-    /// more of zeros for a node that is not eliminated yet.
+    /// Share of itself that an eliminated node holds [1] and its correction where later nodes do not move [Pa]; before it is
+    /// eliminated what it holds [kg/(s·Pa)] and knows [kg/s]. One more of zeros for a node that does not exist.
     pub(crate) swept: &'w mut [[f32; 2]],
     /// I/τ [Pa·s/kg], R, L and head of every reach in this stage, its laminar flow [kg/s], and 1 where its slope
     /// needs a guard.
@@ -125,7 +126,9 @@ pub(crate) struct Work<'w> {
     pub(crate) ports: &'w mut [Port],
     /// What every row passes on to the one neighbour that is left, as a share [1].
     pub(crate) onward: &'w mut [f32],
-    /// One row, dense, and the shares of rows with more neighbours.
+    /// Correction of every row with two later neighbours where they do not move, and its shares of theirs.
+    pub(crate) shares: &'w mut [[f32; 3]],
+    /// One row, dense; what rows exchange, then their shares, and one more of zero for an entry that does not exist.
     pub(crate) dense: &'w mut [f32],
     pub(crate) entries: &'w mut [f32],
     /// 1 where some joint in a line has no volume.
@@ -136,6 +139,8 @@ pub(crate) struct Work<'w> {
     pub(crate) turning: &'w mut [f32],
     /// 1 until the first step.
     pub(crate) fresh: &'w mut [f32],
+    /// 1 where some line reacts to more than density: to pressures, direction or a memory.
+    pub(crate) reacts: &'w mut [f32],
 }
 
 impl<'w> Work<'w> {
@@ -172,11 +177,13 @@ impl<'w> Work<'w> {
             ports: cut.take_rows(ports),
             onward: cut.take(rows),
             dense: cut.take(rows),
-            entries: cut.take(network.plan.columns.len()),
+            shares: cut.take_rows(network.plan.series.len()),
+            entries: cut.take(network.plan.columns.len() + 1),
             merged: cut.take(1),
             again: cut.take(1),
             turning: cut.take(1),
             fresh: cut.take(1),
+            reacts: cut.take(1),
         }
     }
 }

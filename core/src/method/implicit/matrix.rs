@@ -11,10 +11,10 @@
 //! is ever subtracted and every figure keeps its relative precision (Grassmann, Taksar and Heyman 1985, for chains
 //! of states). There is no pivoting: the pattern decides the sequence of operations, the values do not.
 //!
-//! Branches of a tree go first: a node with one neighbour left needs no pattern. What has loops follows.
+//! Branches of a tree go first: a node with one neighbour left needs no pattern. Nodes with two, the links of loops, follow by
+//! records of what they change; the few that have more are left for the end.
 
 use super::layout::{Port, Work, at};
-use super::small;
 use crate::unroll::every;
 use crate::{Network, Plan};
 
@@ -32,21 +32,17 @@ pub(crate) fn solve<E, const UNROLL: bool>(network: &Network<'_, E>, work: &mut 
     let plan = &network.plan;
     if UNROLL {
         branches::<true>(plan, work);
-    } else {
-        branches_apart(plan, work);
-    }
-    if UNROLL {
-        loops::<true>(plan, work);
-        back_of_loops::<true>(plan, work);
+        collect::<true>(plan, work);
+        series::<true>(plan, work);
+        core::<true>(plan, work);
+        back_of_core::<true>(plan, work);
+        back_of_series::<true>(plan, work);
         back_of_branches::<true>(plan, work);
         return;
     }
+    branches_apart(plan, work);
     if plan.leaves.len() < plan.order.len() {
-        if small::fits(plan) {
-            small::solve(plan, work);
-        } else {
-            loops_apart(plan, work);
-        }
+        loops_apart(plan, work);
     }
     back_of_branches_apart(plan, work);
 }
@@ -65,36 +61,44 @@ fn back_of_branches_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
 
 /// Like [`branches_apart`].
 #[inline(never)]
-pub(super) fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
-    loops::<false>(plan, work);
-    back_of_loops::<false>(plan, work);
+fn loops_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    collect::<false>(plan, work);
+    series::<false>(plan, work);
+    if first_core(plan) < plan.order.len() {
+        core_apart(plan, work);
+    }
+    back_of_series::<false>(plan, work);
+}
+
+/// Like [`branches_apart`].
+#[inline(never)]
+fn core_apart(plan: &Plan<'_>, work: &mut Work<'_>) {
+    core::<false>(plan, work);
+    back_of_core::<false>(plan, work);
+}
+
+/// First row with more than two later neighbours.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one addition")]
+fn first_core(plan: &Plan<'_>) -> usize {
+    plan.leaves.len() + plan.series.len()
 }
 
 /// Sums of a row before it is reduced: e, r and the diagonal, which begins with what is passed on.
 #[derive(Clone, Copy)]
-pub(super) struct Row {
-    pub(super) held: f32,
-    pub(super) known: f32,
+struct Row {
+    held: f32,
+    known: f32,
     /// Summed beside what is held, so that the division need not wait for one more addition.
-    pub(super) diagonal: f32,
+    diagonal: f32,
 }
 
-/// Adds to a row what its lines bring, with the part of neighbours that were eliminated as branches, and to the dense
-/// row, whose first column is given, what they exchange with all others.
+/// Adds to a row what its lines bring, with the part of neighbours that are held or were eliminated as branches.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
-pub(super) fn gather<const UNROLL: bool, const LOOPS: bool>(
-    terms: &[[u32; 3]],
-    mut row: Row,
-    ports: &[Port],
-    swept: &[[f32; 2]],
-    (dense, first): (&mut [f32], u32),
-) -> Row {
-    every!(few UNROLL, terms.iter(), &[end, by, other] => {
+fn gather<const UNROLL: bool>(terms: &[[u32; 3]], mut row: Row, ports: &[Port], swept: &[[f32; 2]]) -> Row {
+    every!(few UNROLL, terms.iter(), &[end, by, _] => {
         let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
-        if LOOPS && let Some(slot) = dense.get_mut(other.wrapping_sub(first) as usize) {
-            *slot += through;
-        }
         let [share, increment] = swept.get(by as usize).copied().unwrap_or([0.0; 2]);
         let theirs = through * share;
         row.held += theirs;
@@ -114,7 +118,7 @@ fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
         let [onward, _] = ports.get(port as usize).copied().unwrap_or([0.0; 2]);
         let held = at(work.excess, node);
         let start = Row { held, known: at(work.known, node), diagonal: held + onward };
-        let row = gather::<UNROLL, false>(plan.terms_of(node), start, ports, swept, (&mut [], 0));
+        let row = gather::<UNROLL>(plan.terms_of(node), start, ports, swept);
         let reciprocal = 1.0 / row.diagonal;
         *share = onward * reciprocal;
         if let Some(swept) = swept.get_mut(node as usize) {
@@ -123,11 +127,81 @@ fn branches<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
     });
 }
 
-/// Eliminates the other nodes.
+/// Sums of all other rows, by their nodes: what they hold and know, and what they exchange with one another.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn loops<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
-    every!(UNROLL, plan.leaves.len()..plan.order.len(), row => {
+fn collect<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    work.entries.fill(0.0);
+    let ports = &*work.ports;
+    let first = plan.leaves.len() as u32;
+    let sums = work.excess.iter().zip(work.known.iter());
+    every!(UNROLL, plan.row_of.iter().zip(sums).enumerate(), (node, (&row, (held, known))) => {
+        if row >= first && row != Plan::NOWHERE {
+            let (mut held, mut known) = (*held, *known);
+            every!(few UNROLL, plan.terms_of(node as u32).iter(), &[end, by, entry] => {
+                let [through, flow] = ports.get((end >> 1) as usize).copied().unwrap_or([0.0; 2]);
+                known += inward(flow, end);
+                if let Some(exchange) = work.entries.get_mut(entry as usize) {
+                    *exchange += through;
+                } else {
+                    // Held, or eliminated as a branch.
+                    let [share, increment] = work.swept.get(by as usize).copied().unwrap_or([0.0; 2]);
+                    held += through * share;
+                    known += through * increment;
+                }
+            });
+            if let Some(swept) = work.swept.get_mut(node) {
+                *swept = [held, known];
+            }
+        }
+    });
+}
+
+/// Eliminates the rows that have two later neighbours at most, and adds to these what they leave.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn series<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    let (swept, entries) = (&mut *work.swept, &mut *work.entries);
+    let rows = plan.series.iter().zip(work.shares.iter_mut());
+    every!(UNROLL, rows, (&[node, own_a, own_b, of_a, of_b, a_b, b_a, a, b], shares) => {
+        let [held, known] = swept.get(node as usize).copied().unwrap_or([0.0; 2]);
+        let (to_a, to_b) = (at(entries, own_a), at(entries, own_b));
+        let reciprocal = 1.0 / (held + (to_a + to_b));
+        let (share, increment) = (held * reciprocal, known * reciprocal);
+        let (onto_a, onto_b) = (to_a * reciprocal, to_b * reciprocal);
+        *shares = [increment, onto_a, onto_b];
+        let (from_a, from_b) = (at(entries, of_a), at(entries, of_b));
+        if let Some([held, known]) = swept.get_mut(a as usize) {
+            *held += from_a * share;
+            *known += from_a * increment;
+        }
+        if let Some([held, known]) = swept.get_mut(b as usize) {
+            *held += from_b * share;
+            *known += from_b * increment;
+        }
+        if let Some(exchange) = entries.get_mut(a_b as usize) {
+            *exchange += from_a * onto_b;
+        }
+        if let Some(exchange) = entries.get_mut(b_a as usize) {
+            *exchange += from_b * onto_a;
+        }
+    });
+}
+
+/// Sets an entry.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one store")]
+fn put(values: &mut [f32], index: u32, value: f32) {
+    if let Some(slot) = values.get_mut(index as usize) {
+        *slot = value;
+    }
+}
+
+/// Eliminates the rows that are left.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn core<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    every!(UNROLL, first_core(plan)..plan.order.len(), row => {
         eliminate::<UNROLL>(plan, row, work);
     });
 }
@@ -143,30 +217,24 @@ fn columns<'p>(plan: &Plan<'p>, range: core::ops::Range<usize>) -> &'p [u32] {
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of the loop over rows")]
 fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_>) {
-    let Some(&node) = plan.order.get(row) else { return };
     let (lower, upper) = plan.sides(row);
-    let dense = &mut *work.dense;
-    every!(few UNROLL, columns(plan, lower.start..upper.end).iter(), &column => {
-        if let Some(slot) = dense.get_mut(column as usize) {
-            *slot = 0.0;
-        }
+    let (dense, entries) = (&mut *work.dense, &mut *work.entries);
+    let own = entries.get(lower.start..upper.end).unwrap_or(&[]);
+    every!(few UNROLL, columns(plan, lower.start..upper.end).iter().zip(own), (&column, exchange) => {
+        put(dense, column, *exchange);
     });
-    let held = at(work.excess, node);
-    let start = Row { held, known: at(work.known, node), diagonal: held };
-    let terms = plan.terms_of(node);
-    let Row { mut held, mut known, .. } =
-        gather::<UNROLL, true>(terms, start, work.ports, work.swept, (dense, 0));
+    let node = at_node(plan, row);
+    let [mut held, mut known] = work.swept.get(node as usize).copied().unwrap_or([0.0; 2]);
     every!(few UNROLL, columns(plan, lower).iter(), &by => {
-        let of = plan.order.get(by as usize).copied().unwrap_or(Plan::NOWHERE);
-        // What branches pass on was gathered.
+        // What earlier rows pass on is there.
         if let (Some(&[share, increment]), true) =
-            (work.swept.get(of as usize), by as usize >= plan.leaves.len())
+            (work.swept.get(at_node(plan, by as usize) as usize), by as usize >= first_core(plan))
         {
             let exchange = at(dense, by);
             held += exchange * share;
             known += exchange * increment;
             let (_, theirs) = plan.sides(by as usize);
-            let shares = work.entries.get(theirs.clone()).unwrap_or(&[]);
+            let shares = entries.get(theirs.clone()).unwrap_or(&[]);
             every!(few UNROLL, columns(plan, theirs).iter().zip(shares), (&column, share) => {
                 if let Some(slot) = dense.get_mut(column as usize) {
                     *slot += exchange * share;
@@ -179,31 +247,47 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
         exchanged += at(dense, column);
     });
     let reciprocal = 1.0 / (held + exchanged);
-    let entries = work.entries.get_mut(upper.clone()).unwrap_or(&mut []);
-    every!(few UNROLL, columns(plan, upper).iter().zip(entries), (&column, entry) => {
-        *entry = at(dense, column) * reciprocal;
+    let shares = entries.get_mut(upper.clone()).unwrap_or(&mut []);
+    every!(few UNROLL, columns(plan, upper).iter().zip(shares), (&column, share) => {
+        *share = at(dense, column) * reciprocal;
     });
-    if let Some(row) = work.swept.get_mut(node as usize) {
-        *row = [held * reciprocal, known * reciprocal];
+    if let Some(swept) = work.swept.get_mut(node as usize) {
+        *swept = [held * reciprocal, known * reciprocal];
     }
 }
 
-/// Substitutes from the last row to the first that no branch eliminated.
+/// Substitutes from the last row to the first that has more than two later neighbours.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn back_of_loops<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
-    every!(UNROLL, (plan.leaves.len()..plan.order.len()).rev(), row => {
-        let node = plan.order.get(row).copied().unwrap_or(Plan::NOWHERE);
+fn back_of_core<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    every!(UNROLL, (first_core(plan)..plan.order.len()).rev(), row => {
         let (_, upper) = plan.sides(row);
         let shares = work.entries.get(upper.clone()).unwrap_or(&[]);
+        let node = at_node(plan, row);
         let mut sum = work.swept.get(node as usize).map_or(0.0, |[_, increment]| *increment);
         every!(few UNROLL, columns(plan, upper).iter().zip(shares), (&column, share) => {
-            let later = plan.order.get(column as usize).copied().unwrap_or(Plan::NOWHERE);
-            sum += share * at(work.change, later);
+            sum += share * at(work.change, at_node(plan, column as usize));
         });
-        if let Some(change) = work.change.get_mut(node as usize) {
-            *change = sum;
-        }
+        put(work.change, node, sum);
+    });
+}
+
+/// Node of a row.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "one load")]
+fn at_node(plan: &Plan<'_>, row: usize) -> u32 {
+    plan.order.get(row).copied().unwrap_or(Plan::NOWHERE)
+}
+
+/// Substitutes in the rows with two later neighbours.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
+fn back_of_series<const UNROLL: bool>(plan: &Plan<'_>, work: &mut Work<'_>) {
+    let change = &mut *work.change;
+    let rows = plan.series.iter().zip(work.shares.iter()).rev();
+    every!(UNROLL, rows, (&[node, _, _, _, _, _, _, a, b], &[increment, onto_a, onto_b]) => {
+        let sum = increment + (onto_a * at(change, a) + onto_b * at(change, b));
+        put(change, node, sum);
     });
 }
 

@@ -1,13 +1,14 @@
 //! Laws of lines that respond to pressures, direction, memory or density: stated anew before every solve.
 //!
-//! A network with such lines takes [`MORE`] solves a stage more: where a check valve turns or a flow chokes the first
-//! solution still has the law of the other side. A law that changes while the stage is solved leaves its resistance
+//! A line of which only the density follows has its laws stated where a stage starts. A network with lines that react to more
+//! takes [`MORE`] solves a stage more: where a check valve turns or a flow chokes the first solution still has the law of
+//! the other side. A law that changes while the stage is solved leaves its resistance
 //! frozen in each solve; the fixed point of the iteration is that of the law itself.
 
 use super::layout::{Work, at, continues};
 use super::{CARRY_OVER, Model, law, range, solve};
-use crate::component::Element;
-use crate::method::responsive::{Given, Reach};
+use crate::component::{Element, Operating};
+use crate::method::responsive::{self, Given, Reach};
 use crate::{Line, Network, Plan, Responsive, math};
 
 /// Solves a stage on top of those of any network.
@@ -63,6 +64,90 @@ pub(super) fn advance<E: Element>(
     }
 }
 
+/// Whether a line reacts to more than density.
+fn reacts<E: Element>(network: &Network<'_, E>, line: &Line) -> bool {
+    network.segments_of(line).iter().any(|segment| segment.element.responds())
+}
+
+/// Whether any line of a network does.
+pub(super) fn some_react<E: Element>(network: &Network<'_, E>) -> bool {
+    let lines = network.responsive.iter().filter_map(|entry| network.lines.get(entry.line as usize));
+    lines.into_iter().any(|line| reacts(network, line))
+}
+
+/// States the laws of a line of which only the density follows: of the node from which the present flow comes.
+fn state_density<E: Element>(
+    network: &Network<'_, E>,
+    tau: f32,
+    given: Given<'_>,
+    (entry, line): (&Responsive, &Line),
+    flow: &[f32],
+    solved: bool,
+    work: &mut Work<'_>,
+) {
+    let gauge =
+        |work: &Work<'_>, point| at(work.pressure, point) + if solved { at(work.delta, point) } else { 0.0 };
+    let turned = law::is_turned(network, line);
+    let flow_place = if turned { law::flow_place(network, line) } else { 0 };
+    let (mut first, mut line_forward) = (line.first_segment as usize, false);
+    for last in range(line) {
+        if continues(&network.plan, last) {
+            continue;
+        }
+        let place = last as u32;
+        let b = work.ports.get(last).map_or(0.0, |port| port[0]);
+        let step = if solved { at(work.q, place) + b * at(work.differ, place) } else { 0.0 };
+        let w = at(flow, place) + step;
+        let forward = if w == 0.0 {
+            let points = network.plan.between.get(last).copied().unwrap_or([Plan::NOWHERE; 2]);
+            gauge(work, points[0]) >= gauge(work, points[1])
+        } else {
+            w > 0.0
+        };
+        if last == flow_place {
+            line_forward = forward;
+        }
+        let node = if forward { line.from } else { line.to };
+        let (density_ratio, temperature_k) =
+            responsive::gas(network, entry, given.virtual_k, node, gauge(work, node));
+        let (mut sums, mut ratio, mut inertance) = ([0.0f32; 3], 1.0f32, 0.0);
+        for index in (first..last + 1).rev() {
+            let Some(segment) = network.segments.get(index) else { continue };
+            if index < last && forward {
+                ratio *= 1.0 + segment.element.removal();
+            }
+            let inputs = given.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
+            let plain = Operating::plain(inputs, if w > 0.0 { ratio * w } else { w });
+            let own = segment.element.law(&Operating { density_ratio, temperature_k, ..plain });
+            sums[0] += own.resistance * (ratio * ratio);
+            sums[1] += own.linear * ratio;
+            sums[2] += own.head;
+            inertance += ratio * (segment.inertance_per_m / tau);
+            if let Some(law) = work.law.get_mut(index) {
+                *law = [own.resistance, own.linear, own.head];
+            }
+        }
+        let mark = if forward { FORWARD } else { REVERSED };
+        for (column, value) in [
+            (&mut work.quadratic, sums[0]),
+            (&mut work.linear, sums[1]),
+            (&mut work.head, sums[2]),
+            (&mut work.inertia, inertance),
+            (&mut work.guarded, mark),
+        ] {
+            if let Some(slot) = column.get_mut(last) {
+                *slot = value;
+            }
+        }
+        first = last + 1;
+    }
+    if turned {
+        law::turn_laminar(network, line, line_forward, work);
+    } else {
+        law::set_laminar(line, work);
+    }
+}
+
 /// Whether an element of a reach lets forward flow pass and blocks reversed flow.
 fn blocks<E: Element>(network: &Network<'_, E>, reach: &Reach<'_, '_, E>, w: f32, memory: &[f32]) -> bool {
     let mut blocks = false;
@@ -90,8 +175,15 @@ pub(super) fn state_laws<E: Element, const SECOND: bool>(
     work: &mut Work<'_>,
 ) {
     let solved = place != Place::Start;
+    let some_react = at(work.reacts, 0) > 0.0;
     for entry in network.responsive {
         let Some(line) = network.lines.get(entry.line as usize) else { continue };
+        if !some_react || !reacts(network, line) {
+            if matches!(place, Place::Start | Place::NextStage) {
+                state_density(network, tau, given, (entry, line), flow, solved, work);
+            }
+            continue;
+        }
         // Nothing below moves pressures, flows or increments.
         let (pressure, delta, differ) = (&*work.pressure, &*work.delta, &*work.differ);
         let q = &mut *work.q;
