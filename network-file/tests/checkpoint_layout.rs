@@ -12,7 +12,7 @@ const LAYOUTS: [(u16, u64); 5] = [
     (3, 0xf26e_cdec_cc55_dd27),
     (4, 0xf3a5_be2a_9f91_a6f7),
     (5, 0x7b5f_a467_05c5_5add),
-    (6, 0x0000_0000_0000_0000),
+    (6, 0xbc79_cd40_85ff_7c55),
 ];
 
 const FLOWS: &str = r#"

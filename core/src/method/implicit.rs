@@ -486,7 +486,7 @@ fn first_outside<E>(network: &Network<'_, E>, flow: &[f32], pressure: &[f32]) ->
 mod tests {
     use super::*;
     use crate::climate::Climate;
-    use crate::element::{Pipe, StdElement};
+    use crate::components::Pipe;
     use crate::{Node, Plan, Segment};
 
     /// A heated box behind a wide opening gives off what no longer fits into it, V/(Rg·T)·dp/dt, within the step.
@@ -503,7 +503,7 @@ mod tests {
             laminar_below_pa: 1e-3,
             start_flow_kg_s: 0.0,
         }];
-        let element = StdElement::Pipe(Pipe { resistance_pa_s2_kg2: 1.0 });
+        let element = Pipe::new(1.0).into_any();
         let segments = [Segment { element, inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 0 }];
         let network = Network {
             reference_pa: 101_325.0,

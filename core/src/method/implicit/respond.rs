@@ -7,7 +7,8 @@
 
 use super::layout::{Work, at, continues};
 use super::{CARRY_OVER, Model, law, range, solve};
-use crate::component::{Element, Operating};
+use crate::component::Element;
+use crate::law::Operating;
 use crate::method::responsive::{self, Given, Reach};
 use crate::{Line, Network, Plan, Responsive, math};
 
@@ -107,9 +108,9 @@ fn state_density<E: Element>(
         if last == flow_place {
             line_forward = forward;
         }
-        let node = if forward { line.from } else { line.to };
-        let (density_ratio, temperature_k) =
-            responsive::gas(network, entry, given.virtual_k, node, gauge(work, node));
+        let gas_of = |node| responsive::gas(network, entry, given.virtual_k, node, gauge(work, node));
+        let intake = gas_of(line.from);
+        let gas = if forward { intake } else { gas_of(line.to) };
         let (mut sums, mut ratio, mut inertance) = ([0.0f32; 3], 1.0f32, 0.0);
         for index in (first..last + 1).rev() {
             let Some(segment) = network.segments.get(index) else { continue };
@@ -118,7 +119,14 @@ fn state_density<E: Element>(
             }
             let inputs = given.inputs.get(segment.first_input as usize..).unwrap_or(&[]);
             let plain = Operating::plain(inputs, if w > 0.0 { ratio * w } else { w });
-            let own = segment.element.law(&Operating { density_ratio, temperature_k, ..plain });
+            let stated = |(density_ratio, temperature_k)| {
+                segment.element.law(&Operating { density_ratio, temperature_k, ..plain })
+            };
+            let mut own = stated(gas);
+            if !forward {
+                // A head is the intake's in both directions.
+                own.head = stated(intake).head;
+            }
             sums[0] += own.resistance * (ratio * ratio);
             sums[1] += own.linear * ratio;
             sums[2] += own.head;
@@ -221,8 +229,9 @@ pub(super) fn state_laws<E: Element, const SECOND: bool>(
             });
             // A valve that shuts within the step does so where nothing drives it any more: what comes back meets next to no
             // resistance, so that the ends of the step's pressures meet.
-            if forward && returns {
-                sums = [0.0, GIVING * sums[0] * moved + sums[1], sums[2]];
+            if returns {
+                let share = if forward { GIVING } else { 1.0 };
+                sums = [0.0, share * sums[0] * moved + sums[1], sums[2]];
             }
             // A valve that has just turned is looked at where its leak would put it: the tangents of the others at the
             // flow that it no longer lets through would push on it.
