@@ -11,12 +11,14 @@
 
 mod channel;
 mod curve;
+mod force;
 mod input;
 mod mover;
 mod output;
 
 pub use channel::{Calibration, Hold, InputChannel, OutputChannel, Port, Scaling};
 pub use curve::Curve;
+pub use force::Force;
 pub use input::{Applied, InputState, Rejected};
 use mover::Mover;
 pub use output::OutputState;
@@ -306,6 +308,28 @@ impl<'a> Process<'a> {
         }
     }
 
+    /// Puts `force` in a channel's place until another one is; false where there is no such channel, or it cannot carry
+    /// the value.
+    pub fn force(&mut self, direction: Direction, channel: u16, force: Force) -> bool {
+        let place = usize::from(channel);
+        let carries = |min: f32, max: f32| match force {
+            Force::Value(value) => (min..=max).contains(&value),
+            Force::Offset(more) | Force::Noise(more, _) => more.is_finite(),
+            Force::None | Force::Stuck | Force::OpenWire => true,
+        };
+        match direction {
+            Direction::In => match (self.image.inputs.get(place), self.inputs.get_mut(place)) {
+                (Some(channel), Some(state)) if carries(channel.min, channel.max) => state.force(force),
+                _ => return false,
+            },
+            Direction::Out => match (self.image.outputs.get(place), self.outputs.get_mut(place)) {
+                (Some(channel), Some(state)) if carries(channel.min, channel.max) => state.force(force),
+                _ => return false,
+            },
+        }
+        true
+    }
+
     /// States of the input channels.
     pub fn inputs(&self) -> &[InputState] {
         self.inputs
@@ -396,6 +420,79 @@ mod tests {
         assert_eq!(check(&[], &[FLOW, FLOW]), Err(ProcessError::ConverterTwice(1)));
         let signal = Output::Pressure.of(7);
         assert_eq!(check(&[], &[OutputChannel { signal, ..FLOW }]), Err(ProcessError::Signal(0)));
+    }
+
+    /// Every force on an input and on an output: what the plant and the hardware get, and that it is released at the
+    /// channel's rate with nothing left.
+    #[test]
+    #[allow(clippy::float_cmp, reason = "values that must come through unchanged")]
+    fn a_channel_is_forced_and_released() {
+        let valve = InputChannel { max_rate_per_s: f32::INFINITY, ..VALVE };
+        let (inputs, outputs) = ([valve], [FLOW]);
+        let (mut states, mut outs) = ([InputState::new(0.0)], [OutputState::new(0.0)]);
+        let image = Image { inputs: &inputs, outputs: &outputs, ..Image::EMPTY };
+        let mut process = Process::new(image, 1e-3, &mut states, &mut outs).unwrap();
+        let conduct = crate::mode::Mode::Run.conduct();
+        let ticks = |process: &mut Process<'_>, count: usize, raw: f32| {
+            let mut seen = std::vec::Vec::new();
+            for _ in 0..count {
+                process.ingest(&[Some(raw)], conduct);
+                process.emit(|_| 0.05, conduct);
+                let [input, output] =
+                    [process.applied().next().unwrap().1.value, process.outputs()[0].value()];
+                seen.push((input, output));
+            }
+            seen
+        };
+        assert_eq!(ticks(&mut process, 2_000, 0.25).pop(), Some((0.25, 0.05)));
+        for (force, input, output) in
+            [(Force::Value(0.08), 0.08, 0.08), (Force::Offset(0.02), 0.27, 0.07), (Force::Stuck, 0.25, 0.05)]
+        {
+            assert!(process.force(Direction::In, 0, force) && process.force(Direction::Out, 0, force));
+            let seen = ticks(&mut process, 2_000, 0.25);
+            let (got_in, got_out) = *seen.last().unwrap();
+            assert!(
+                (got_in - input).abs() < 1e-6 && (got_out - output).abs() < 1e-6,
+                "{force:?}: {got_in} {got_out}"
+            );
+            assert!(
+                process.force(Direction::In, 0, Force::None) && process.force(Direction::Out, 0, Force::None)
+            );
+            let back = ticks(&mut process, 2_000, 0.25);
+            // The valve's rate is 1 in a second, the flow's likewise.
+            assert!(
+                back.array_windows().all(|[a, b]| (b.0 - a.0).abs() < 1.1e-3 && (b.1 - a.1).abs() < 1.1e-3)
+            );
+            assert_eq!(back.last(), Some(&(0.25, 0.05)), "after {force:?}");
+        }
+        // Stuck keeps what it had, whatever comes.
+        process.force(Direction::In, 0, Force::Stuck);
+        assert_eq!(ticks(&mut process, 10, 0.9).pop().unwrap().0, 0.25);
+        process.force(Direction::In, 0, Force::None);
+        ticks(&mut process, 2_000, 0.25);
+        // The same noise for the same seed, around the signal and within its amplitude.
+        let mut noisy = || {
+            process.force(Direction::In, 0, Force::Noise(0.1, 7));
+            ticks(&mut process, 1_000, 0.25).split_off(500)
+        };
+        let (first, second) = (noisy(), noisy());
+        assert_eq!(first, second);
+        let mean = first.iter().map(|(input, _)| input).sum::<f32>() / 500.0;
+        assert!(
+            (mean - 0.25).abs() < 0.01 && first.iter().all(|(input, _)| (input - 0.25).abs() <= 0.1),
+            "{mean}"
+        );
+        assert!(first.iter().any(|(input, _)| (input - 0.25).abs() > 0.08));
+        // A wire that has come off: the input is lost, the output vouches for nothing.
+        process.force(Direction::In, 0, Force::OpenWire);
+        process.force(Direction::Out, 0, Force::OpenWire);
+        assert_eq!(ticks(&mut process, 2_000, 0.25).pop(), Some((VALVE.safe_value, FLOW.safe_value)));
+        assert_eq!(process.outputs()[0].quality(), Quality::OpenWire);
+        assert!(process.lost_input().is_some());
+        assert!(
+            !process.force(Direction::In, 0, Force::Value(7.0))
+                && !process.force(Direction::Out, 1, Force::None)
+        );
     }
 
     /// What the simulator would not take from a channel is no channel's to drive.

@@ -3,6 +3,7 @@
 
 pub mod arming;
 pub mod board;
+mod force;
 pub mod handover;
 pub mod key;
 pub mod loopback;

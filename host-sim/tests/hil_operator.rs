@@ -75,6 +75,33 @@ fn init_ends_when_the_operator_says_so() {
     assert!(line.contains("INIT →") || line.contains("POWERUP →"), "{line}");
 }
 
+/// A driven input is overridden and released; what was forced stands in the record.
+#[test]
+fn an_input_is_forced_and_released() {
+    let folder = place("forced");
+    let mut plant = plant("forced", &["--arm", "--record", folder.to_str().unwrap()]);
+    hardware(plant.socket.clone());
+    let console = &mut plant.console;
+    console.wait_for("READY → RUN");
+    console.order("force valve.opening value 7");
+    console.wait_for("valve.opening carries 0.02 to 1");
+    console.order("force valve.opening value 0.4");
+    console.wait_for("operator: force valve.opening value 0.4");
+    console.listen(Duration::from_secs(3));
+    console.order("release valve.opening");
+    console.listen(Duration::from_secs(3));
+    console.order("quit");
+    assert!(console.end(Duration::from_secs(20)).success());
+    let csv = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    let place = csv.lines().next().unwrap().split(',').position(|name| name == "valve.opening").unwrap();
+    let openings: Vec<f32> =
+        csv.lines().skip(1).filter_map(|line| line.split(',').nth(place)?.parse().ok()).collect();
+    let forced = openings.iter().filter(|opening| (**opening - 0.4).abs() < 1e-6).count();
+    assert!(forced > 50, "{forced} rows at the forced value");
+    assert!(openings.last().is_some_and(|opening| (opening - 1.0).abs() < 1e-6), "the hardware's again");
+    assert!(replay(&folder.join("record.mcap")).unwrap().agrees());
+}
+
 /// A tick in RUN that takes longer than silence may last is SAFE, though no tick behind it is late.
 #[test]
 fn a_stall_leads_to_safe() {

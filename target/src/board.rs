@@ -3,7 +3,7 @@
 use crate::account::Account;
 use crate::coupling::Coupling;
 use eclss_core::mode::{Machine, Request};
-use eclss_core::process::CONVERTERS;
+use eclss_core::process::{CONVERTERS, Direction, Force};
 use embassy_time::{Instant, Timer};
 
 /// Raw counts by the converter's number.
@@ -27,6 +27,17 @@ pub struct StackUse {
     pub size: u32,
     /// Bytes used at the deepest moment since start-up.
     pub deepest: u32,
+}
+
+/// A force on a channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forcing {
+    /// Which way the channel goes.
+    pub direction: Direction,
+    /// Its number in the process image.
+    pub channel: u16,
+    /// What is put in its place.
+    pub force: Force,
 }
 
 /// What the loop needs of a board. No method may wait for hardware: a tick must never hang on a peripheral.
@@ -65,6 +76,10 @@ pub trait Board {
     }
     /// What an operator at this board asks for, once; nobody is there on most boards.
     fn request(&mut self) -> Option<Request> {
+        None
+    }
+    /// What an operator at this board puts in a channel's place, once.
+    fn force(&mut self) -> Option<Forcing> {
         None
     }
     /// Shows how the tick went, when it is over, to a board that displays it; nothing to write on one that does not.

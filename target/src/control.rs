@@ -153,6 +153,10 @@ pub async fn run<B: Board, P: Plant>(
             // Who asks here sees by the mode whether it was granted.
             let _ = state.command(Command::Mode(request), plant, coupling);
         }
+        if let Some(forcing) = board.force() {
+            // Whoever asks looks at the channel's range before.
+            let _ = coupling.force(forcing);
+        }
         state.prepare(plant, coupling);
         if let Some(cause) = state.trouble(coupling) {
             state.fail(cause, board, coupling, tick, &mut tell);

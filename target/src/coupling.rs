@@ -1,6 +1,6 @@
 //! What couples plant and hardware: the process image, the board's converters and the link.
 
-use crate::board::{Board, Converters};
+use crate::board::{Board, Converters, Forcing};
 use crate::plant::Plant;
 use eclss_core::mode::{Cause, Conduct, Machine, Outputs};
 use eclss_core::process::{CHANNELS, CONVERTERS, Image, Order, Port, Process, Rest};
@@ -123,6 +123,11 @@ impl<'a> Coupling<'a> {
         if let Some(link) = &mut self.link {
             link.acknowledge(id, outcome);
         }
+    }
+
+    /// Puts something in a channel's place; false where the channel cannot carry it.
+    pub fn force(&mut self, Forcing { direction, channel, force }: Forcing) -> bool {
+        self.process.force(direction, channel, force)
     }
 
     /// Judges what was read.

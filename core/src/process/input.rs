@@ -1,7 +1,7 @@
 //! From a raw sample to the value that the plant gets: judged, filtered, held, moved at its rate.
 
 use super::channel::{Hold, InputChannel};
-use super::{Mover, Quality};
+use super::{Force, Mover, Quality};
 use crate::mode::Inputs;
 
 /// Samples rejected since the start, by reason.
@@ -73,6 +73,7 @@ pub struct InputState {
     rejected: Rejected,
     /// Samples limited to the range since the start.
     saturated: u32,
+    force: Force,
 }
 
 impl InputState {
@@ -89,6 +90,7 @@ impl InputState {
             quality: Quality::Unknown,
             rejected: Rejected { not_finite: 0, out_of_range: 0, too_fast: 0, open_wire: 0 },
             saturated: 0,
+            force: Force::None,
         }
     }
 
@@ -138,10 +140,20 @@ impl InputState {
         if inputs == Inputs::Ignored {
             return;
         }
-        match raw.map(|raw| self.judge(channel, raw, step_s)) {
-            Some(Ok(sample)) => self.accept(channel, sample, step_s),
-            Some(Err(quality)) => self.miss(channel, quality, step_s),
-            None => self.miss(channel, Quality::Held, step_s),
+        let judged = raw.map(|raw| self.judge(channel, raw, step_s));
+        match (self.force, judged) {
+            (Force::Value(value), judged) => self.stand_in(value, judged),
+            (Force::Stuck, judged) if self.age_ticks.is_some() => self.stand_in(self.target, judged),
+            (Force::OpenWire, _) => self.miss(channel, Quality::OpenWire, step_s),
+            (Force::Offset(_) | Force::Noise(..), Some(Ok(sample))) => {
+                self.accept(channel, sample, step_s);
+                // The sample itself stays what the next one is judged by.
+                let forced = self.force.added(sample).clamp(channel.min, channel.max);
+                self.stand_in(forced, None);
+            }
+            (_, Some(Ok(sample))) => self.accept(channel, sample, step_s),
+            (_, Some(Err(quality))) => self.miss(channel, quality, step_s),
+            (_, None) => self.miss(channel, Quality::Held, step_s),
         }
         if inputs != Inputs::Applied {
             self.arrived = false;
@@ -157,6 +169,24 @@ impl InputState {
         if !self.arrived && self.quality == Quality::Good {
             self.quality = Quality::Moving;
         }
+    }
+
+    /// Puts something in the channel's place; what comes after it is released is reached at the channel's rate.
+    pub(super) fn force(&mut self, force: Force) {
+        self.force = force;
+        self.arrived = false;
+    }
+
+    /// Takes a forced value as if it had come, and remembers what has come in truth.
+    fn stand_in(&mut self, value: f32, judged: Option<Result<f32, Quality>>) {
+        if let Some(Ok(sample)) = judged {
+            self.sample = sample;
+        }
+        self.target = value;
+        self.filtered = Mover::at(value);
+        self.slope_per_s = 0.0;
+        self.age_ticks = Some(0);
+        self.quality = Quality::Good;
     }
 
     /// The sample in the slot's unit, or why it is rejected.

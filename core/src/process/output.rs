@@ -1,7 +1,7 @@
 //! From a signal of the plant to the raw value that hardware gets.
 
 use super::channel::OutputChannel;
-use super::{Mover, Quality};
+use super::{Force, Mover, Quality};
 use crate::mode::Outputs;
 
 /// One output channel at run time.
@@ -14,6 +14,7 @@ pub struct OutputState {
     saturated: u32,
     /// Values that were not finite since the start.
     not_finite: u32,
+    force: Force,
 }
 
 impl OutputState {
@@ -25,6 +26,7 @@ impl OutputState {
             quality: Quality::Unknown,
             saturated: 0,
             not_finite: 0,
+            force: Force::None,
         }
     }
 
@@ -58,6 +60,12 @@ impl OutputState {
         self.not_finite
     }
 
+    /// Puts something in the channel's place; the plant's value is reached again at the channel's rate.
+    pub(super) fn force(&mut self, force: Force) {
+        self.force = force;
+        self.arrived = false;
+    }
+
     pub(super) fn emit(&mut self, channel: &OutputChannel<'_>, point: f32, step_s: f32, outputs: Outputs) {
         let safe_way = channel.safe_rate_per_s * step_s;
         let follows = match outputs {
@@ -65,11 +73,21 @@ impl OutputState {
             Outputs::Safe => None,
             Outputs::Approach | Outputs::Follow => Some(point),
         };
+        let follows = follows.map(|point| match &mut self.force {
+            Force::Value(value) => *value,
+            Force::Stuck => self.value.value(),
+            Force::OpenWire => f32::NAN,
+            force => force.added(point),
+        });
         let Some(point) = follows.filter(|point| point.is_finite()) else {
             self.not_finite = self.not_finite.saturating_add(u32::from(follows.is_some()));
             self.value.towards(channel.safe_value, safe_way);
             self.arrived = false;
-            self.quality = if follows.is_some() { Quality::NotFinite } else { Quality::Lost };
+            self.quality = match (follows, self.force) {
+                (None, _) => Quality::Lost,
+                (Some(_), Force::OpenWire) => Quality::OpenWire,
+                (Some(_), _) => Quality::NotFinite,
+            };
             return;
         };
         let target = point.clamp(channel.min, channel.max);

@@ -1,11 +1,12 @@
 //! The computer as a board of the loop: its clock, its link, and what it measures of every tick.
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use eclss_core::mode::{Machine, Mode, Request};
 use eclss_target::account::Account;
-use eclss_target::board::{Board, Converters};
+use eclss_target::board::{Board, Converters, Forcing};
 use eclss_target::coupling::Coupling;
 use rtrb::Consumer;
 
@@ -14,12 +15,16 @@ use super::tap::Tap;
 use super::timing::Times;
 use eclss_target::wire::{Link, LinkCounts};
 
+/// Forces that may wait for their ticks.
+const FORCES: usize = 64;
 /// How often a clock that stands looks for orders [ns].
 const PAUSE_NS: u64 = 1_000_000;
 
 /// What an operator asks of the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
+    /// Something in a channel's place.
+    Force(Forcing),
     /// A change of mode.
     Mode(Request),
     /// Another pace.
@@ -65,6 +70,7 @@ pub struct Pc<'t> {
     latched: bool,
     stall: Option<Stall>,
     request: Option<Request>,
+    forces: VecDeque<Forcing>,
     steps: u32,
     quits: bool,
     ticks: u64,
@@ -95,6 +101,7 @@ impl<'t> Pc<'t> {
             latched,
             stall,
             request: None,
+            forces: VecDeque::with_capacity(FORCES),
             steps: 0,
             quits: false,
             ticks: 0,
@@ -142,6 +149,9 @@ impl<'t> Pc<'t> {
             let Ok(order) = self.orders.pop() else { break };
             match order {
                 Order::Quit => self.quits = true,
+                // Within what was made room for, because nothing is allocated here.
+                Order::Force(forcing) if self.forces.len() < FORCES => self.forces.push_back(forcing),
+                Order::Force(_) => self.measured.refused += 1,
                 Order::Mode(_) if self.request == Some(Request::Stop) => {}
                 Order::Mode(request) => self.request = Some(request),
                 Order::Pace(pace) => {
@@ -216,6 +226,10 @@ impl Board for Pc<'_> {
 
     fn write_link(&mut self, bytes: &[u8]) -> usize {
         self.link.as_mut().map_or(bytes.len(), |link| link.write(bytes))
+    }
+
+    fn force(&mut self) -> Option<Forcing> {
+        self.forces.pop_front()
     }
 
     fn request(&mut self) -> Option<Request> {

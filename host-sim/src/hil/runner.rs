@@ -25,6 +25,7 @@ use eclss_target::plant::Plant as _;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::board::{Measured, Order, Pc, Stall, note};
+use super::force::Channels;
 use super::handover::{Giver, Layout, ring};
 use super::key::{check_reach, fresh_nonce};
 use super::loopback::{LoopbackFigures, Probe};
@@ -192,7 +193,16 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     // Last, so that no empty record is left behind by a run that was refused.
     let recorder = open_recorder(job.record.as_ref(), &names, epoch_ns, &toml, &start, &told(job.settings))?;
     let (giver, taker) = recorder.as_ref().map(|_| ring(layout, rows as usize)).unzip();
-    let mut housekeeping = Housekeeping::new(out, job, recorder, taker, events_out, orders_in, page);
+    let mut housekeeping = Housekeeping::new(
+        out,
+        job,
+        Channels::new(&loaded.process),
+        recorder,
+        taker,
+        events_out,
+        orders_in,
+        page,
+    );
     let slots = layout.inputs;
     let ends = Ends { giver, events, orders, link, camera, signals, slots, nonce: fresh_nonce() };
     let tested = AtomicBool::new(false);

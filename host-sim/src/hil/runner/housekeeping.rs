@@ -16,6 +16,7 @@ use super::{Job, Outcome, Seen, cause, told};
 use crate::Failure;
 use crate::hil::arming::Arming;
 use crate::hil::board::Order;
+use crate::hil::force::Channels;
 use crate::hil::handover::Taker;
 use crate::hil::operator::{interrupts, type_along};
 use crate::hil::pace::Pace;
@@ -36,6 +37,7 @@ const FEW_ORDERS: usize = 4;
 pub(super) struct Housekeeping<'o> {
     out: &'o mut dyn Write,
     shows: bool,
+    channels: Channels,
     arming: Arming,
     recorder: Option<Recorder>,
     /// Why the record ended early.
@@ -59,6 +61,7 @@ impl<'o> Housekeeping<'o> {
     pub(super) fn new(
         out: &'o mut dyn Write,
         job: &Job,
+        channels: Channels,
         recorder: Option<Recorder>,
         rows: Option<Taker>,
         events: Consumer<Event>,
@@ -68,6 +71,7 @@ impl<'o> Housekeeping<'o> {
         Self {
             out,
             shows: job.shows,
+            channels,
             arming: Arming::new(job.arm),
             recorder,
             failed: None,
@@ -214,12 +218,26 @@ impl<'o> Housekeeping<'o> {
                         self.order(order);
                     }
                     None if line.trim().is_empty() => {}
+                    None if self.force(line.trim()) => {}
                     None => self.show(ORDERS),
                 },
                 Err(TryRecvError::Empty) => {}
                 Err(TryRecvError::Disconnected) => self.typed = None,
             }
         }
+    }
+
+    /// Does an order that forces a channel or releases it; returns whether it was one. What is forced is in the record.
+    fn force(&mut self, line: &str) -> bool {
+        match self.channels.read(line) {
+            None => return false,
+            Some(Err(why)) => self.show(&why),
+            Some(Ok(forcing)) => {
+                self.say(0, &format!("operator: {line}"));
+                self.order(Order::Force(forcing));
+            }
+        }
+        true
     }
 
     fn order(&mut self, order: Order) {
@@ -250,7 +268,7 @@ impl<'o> Housekeeping<'o> {
     }
 }
 
-const ORDERS: &str = "orders are settle, arm, hold, resume, disarm, acknowledge, restart, stop, quit; and while no hardware is \
+const ORDERS: &str = "orders are settle, arm, hold, resume, disarm, acknowledge, restart, stop, quit, force, release; and while no hardware is \
                       armed: pause, step [N], go, speed X, speed max";
 
 /// Reads an order.
