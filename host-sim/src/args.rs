@@ -42,6 +42,8 @@ pub(crate) enum Command {
     Schematic(SchematicArgs),
     /// List what a network publishes: names for records, channels, sensors and captures, with unit and meaning.
     Signals(SignalsArgs),
+    /// List the kinds of component; with `--markdown` their keys, inputs and outputs, as in docs/components.md.
+    Kinds(KindsArgs),
     /// Run a network at the clock's pace and show it in the browser.
     Serve(ServeArgs),
     /// Write the whole validation into one HTML file.
@@ -353,6 +355,14 @@ pub(crate) struct SignalsArgs {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Arguments of `kinds`.
+#[derive(Debug, Args)]
+pub(crate) struct KindsArgs {
+    /// Print the whole reference in Markdown.
+    #[arg(long)]
+    pub(crate) markdown: bool,
 }
 
 /// Arguments of `schematic`.

@@ -5,6 +5,7 @@ mod check;
 mod generate;
 #[cfg(feature = "hil")]
 mod hil;
+mod kinds;
 mod paper;
 mod report;
 mod run;
@@ -65,6 +66,7 @@ fn dispatch(cli: &Cli, out: &mut dyn Write) -> Result<(), Failure> {
         Some(Command::Schematic(args)) => schematic::run(args, out),
         Some(Command::Serve(args)) => serve::run(args, out),
         Some(Command::Signals(args)) => signals::run(args, out),
+        Some(Command::Kinds(args)) => kinds::run(args, out),
         #[cfg(feature = "hil")]
         Some(Command::Hil(args)) => hil::run(args, out),
         #[cfg(feature = "hil")]

@@ -55,6 +55,7 @@ mod plan;
 mod process;
 mod read;
 mod reason;
+pub mod reference;
 mod rust;
 mod signal;
 pub mod steady;

@@ -37,11 +37,6 @@ pub const ID_BYTES: usize = 48;
 
 /// Driving pressure below which a line is linear when its file does not say [Pa].
 pub const LAMINAR_BELOW_PA: f64 = 1e-3;
-/// Free share of the area that remains of a blocked element [1].
-pub const BLOCKED_OPENING: f64 = 1e-3;
-/// Opening that remains when closed of a valve, regulator or hatch that is tight [1]; what is left of a quadratic loss is
-/// [`eclss_core::Law::TIGHT_PA_S2_KG2`].
-pub const TIGHT_OPENING: f64 = 1.001e-18;
 /// Default method.
 pub const METHOD: &str = "relaxation";
 /// Default step.
@@ -65,12 +60,16 @@ impl fmt::Display for Range {
     }
 }
 
-/// A number as people write it: with an exponent where it is very small or large.
-fn short(number: f64) -> String {
-    if number == 0.0 || (1e-3..1e4).contains(&number.abs()) {
-        format!("{number}")
-    } else {
-        format!("{number:e}")
+/// A number as people write it: with an exponent where it is very small or large, and with no more digits than the
+/// single precision that it comes from.
+pub(crate) fn short(number: f64) -> String {
+    let plain = number == 0.0 || (1e-3..1e4).contains(&number.abs());
+    let single = number as f32;
+    match (plain, f64::from(single) == number) {
+        (true, true) => format!("{single}"),
+        (true, false) => format!("{number}"),
+        (false, true) => format!("{single:e}"),
+        (false, false) => format!("{number:e}"),
     }
 }
 
@@ -90,26 +89,8 @@ pub const OUTLET_VOLUME: Range = range(0.0, 1e3, "m³");
 pub const POSITION: Range = range(0.0, 63.0, "1");
 /// Mass flows.
 pub const MASS_FLOW: Range = range(-1e3, 1e3, "kg/s");
-/// Mass flow of a measurement.
-pub const REFERENCE_FLOW: Range = range(1e-9, 1e3, "kg/s");
-/// Pressure loss of a measurement.
-pub const REFERENCE_DROP: Range = range(1e-9, 1e7, "Pa");
 /// Densities.
 pub const DENSITY: Range = range(1e-6, 2e4, "kg/m³");
-/// Quadratic resistances.
-pub const RESISTANCE: Range = range(0.0, 1e15, "Pa·s²/kg²");
-/// Quadratic resistances that may not vanish.
-pub const SOME_RESISTANCE: Range = range(1e-6, 1e15, "Pa·s²/kg²");
-/// Linear fall of a head curve.
-pub const LINEAR_FALL: Range = range(0.0, 1e12, "Pa·s/kg");
-/// Loss coefficients.
-pub const LOSS_COEFFICIENT: Range = range(0.0, 1e9, "1");
-/// Heads.
-pub const HEAD: Range = range(0.0, 1e6, "m");
-/// Linear fall of a head.
-pub const HEAD_LINEAR: Range = range(0.0, 1e12, "s/m²");
-/// Quadratic fall of a head.
-pub const HEAD_QUADRATIC: Range = range(1e-6, 1e15, "s²/m⁵");
 /// Lengths.
 pub const LENGTH: Range = range(0.0, 1e4, "m");
 /// Diameters.
@@ -120,34 +101,6 @@ pub const AREA: Range = range(1e-8, 1e4, "m²");
 pub const INERTANCE: Range = range(0.0, 1e12, "1/m");
 /// Fractions, efficiencies and openings.
 pub const FRACTION: Range = range(0.0, 1.0, "1");
-/// Flows of real hardware.
-pub const MEASURED_FLOW: Range = range(1e-6, 100.0, "kg/s");
-/// How strongly they answer to pressure.
-pub const MEASURED_SLOPE: Range = range(1e-9, 1e3, "kg/(s·Pa)");
-/// Openings that remain when closed.
-pub const LEAKAGE: Range = range(1e-12, 1.0, "1");
-/// Leaks of seats a day.
-pub const SEAT_LEAK_A_DAY: Range = range(0.0, 1e6, "kg/d");
-/// Discharge coefficients.
-pub const DISCHARGE: Range = range(1e-3, 1.0, "1");
-/// Effective areas of openings.
-pub const EFFECTIVE_AREA: Range = range(1e-15, 1e4, "m²");
-/// Measured leaks.
-pub const LEAK: Range = range(1e-9, 1e6, "kg/d");
-/// Leaks of a check valve's seat.
-pub const SEAT_LEAK: Range = range(1e-12, 1.0, "kg/s");
-/// Linear resistances of a check valve's seat.
-pub const SEAT_RESISTANCE: Range = range(1e-3, 1e19, "Pa·s/kg");
-/// Pressures that may not vanish.
-pub const SOME_PRESSURE: Range = range(1e-3, 1e7, "Pa");
-/// Lags of an actuator.
-pub const LAG: Range = range(1e-3, 1e5, "s");
-/// Exponents of a valve's opening.
-pub const VALVE_EXPONENT: Range = range(0.0, 6.0, "1");
-/// Exponents of the flow.
-pub const FLOW_EXPONENT: Range = range(1.0, 2.0, "1");
-/// Speeds of fans and pumps.
-pub const SPEED: Range = range(0.0, 2.0, "1");
 /// Times of a schedule.
 pub const TIME: Range = range(0.0, 1e9, "s");
 /// Times of which there must be some.
@@ -160,18 +113,6 @@ pub const MOIST_TEMPERATURE: Range = range(273.15, 333.15, "K");
 pub const SPECIFIC_HEAT: Range = range(100.0, 1e5, "J/(kg·K)");
 /// Thermal expansion of liquids.
 pub const EXPANSION: Range = range(0.0, 5e-3, "1/K");
-/// Heat capacities.
-pub const HEAT_CAPACITY: Range = range(1e-3, 1e15, "J/K");
-/// Conductances.
-pub const CONDUCTANCE: Range = range(0.0, 1e9, "W/K");
-/// Conductances of which there must be some.
-pub const SOME_CONDUCTANCE: Range = range(1e-6, 1e9, "W/K");
-/// Masses of which there must be some.
-pub const SOME_MASS: Range = range(1e-9, 1e6, "kg");
-/// Electric powers.
-pub const POWER: Range = range(0.0, 1e6, "W");
-/// Efficiencies of fans and pumps.
-pub const EFFICIENCY: Range = range(0.01, 1.0, "1");
 /// Bulk moduli of liquids.
 pub const BULK_MODULUS: Range = range(1e3, 1e12, "Pa");
 /// Stiffness of an accumulator's spring.
@@ -184,19 +125,8 @@ pub const PARTS: usize = 4_096;
 pub const REFERENCE_K: f64 = 295.15;
 /// Longest turnover of a mixed volume when the file does not say [s] (assumed: half an hour).
 pub const MIXING_LIMIT_S: f64 = 1_800.0;
-/// Largest hydraulic power of a fan or pump over its electric power when the file does not say [1] (assumed).
-pub const MACHINE_EFFICIENCY: f64 = 0.5;
-/// Exponent of the flow in the conductance of liquids: laminar through offset strip fins, as in the condenser.
-pub const LIQUID_EXPONENT: f64 = 0.46;
 /// Evaporation of free water when the file does not say [kg/(s·Pa)] (assumed: about 1 m² of wet surface).
 pub const SURFACE_KG_S_PA: f64 = 2e-8;
-
-/// Water that a separator holds when the file does not say [kg] (assumed).
-pub const SEPARATOR_KG: f64 = 2.0;
-/// Time between two discharges of condensate when the file does not say [s]: about 75 min (V-HAB).
-pub const DISCHARGE_S: f64 = 4_500.0;
-/// Water that a separator loses at once when the file does not say [kg] (assumed).
-pub const SLUG_KG: f64 = 0.05;
 
 /// Range of an input.
 pub fn of(spec: &eclss_core::InputSpec) -> Range {

@@ -1,9 +1,13 @@
-//! The format's reference says what the code does.
+//! The documents say what the code does.
 
+use eclss_core::component::FileKind;
+use eclss_core::components::KINDS;
+use eclss_core::parameter::KeyType;
 use eclss_network_file::limits::{self, Range};
-use eclss_network_file::parse;
+use eclss_network_file::{parse, reference};
 
 const REFERENCE: &str = include_str!("../../docs/network-file.md");
+const COMPONENTS: &str = include_str!("../../docs/components.md");
 
 #[test]
 fn its_example_is_accepted() {
@@ -15,8 +19,56 @@ fn its_example_is_accepted() {
 }
 
 #[test]
+fn the_reference_of_components_is_the_list_of_kinds() {
+    let generated = reference::components();
+    let mut lines = generated.lines().zip(COMPONENTS.lines()).enumerate();
+    let first = lines.find(|(_, (now, written))| now != written);
+    assert!(
+        generated == COMPONENTS,
+        "docs/components.md is not what the kinds say, first at {first:?}; write it anew:\n\
+         cargo run --release -- kinds --markdown > docs/components.md"
+    );
+}
+
+/// A sentence of its own: a capital or a symbol first, a full stop last.
+fn is_sentence(text: &str) -> bool {
+    text.len() > 2 && text.ends_with('.') && !text.starts_with(|first: char| first.is_ascii_lowercase())
+}
+
+/// Returns what the documents of a kind lack.
+fn gaps(kind: &dyn FileKind) -> Vec<String> {
+    let mut gaps = Vec::new();
+    let mut note = |lacks: bool, what: String| gaps.extend(lacks.then(|| format!("{}: {what}", kind.name())));
+    note(!is_sentence(kind.about()), "no sentence about it".to_owned());
+    for key in kind.keys().iter().copied().flatten() {
+        note(!is_sentence(key.about), format!("no sentence about `{}`", key.name));
+        match key.holds {
+            KeyType::Number { unit, min, max } => {
+                note(unit.is_empty(), format!("`{}` without unit", key.name));
+                note(min >= max, format!("`{}` without range", key.name));
+            }
+            KeyType::Choice(words) => note(words.is_empty(), format!("`{}` without words", key.name)),
+            KeyType::Flag | KeyType::Component => {}
+        }
+    }
+    for input in kind.inputs() {
+        note(input.unit.is_empty(), format!("input `{}` without unit", input.name));
+    }
+    for output in kind.outputs() {
+        note(output.label.is_empty(), format!("output `{}` without meaning", output.name));
+    }
+    gaps
+}
+
+#[test]
+fn every_kind_documents_itself() {
+    let gaps: Vec<_> = KINDS.iter().flat_map(|kind| gaps(*kind)).collect();
+    assert!(gaps.is_empty(), "{}", gaps.join("\n"));
+}
+
+#[test]
 fn its_ranges_are_the_ones_that_are_checked() {
-    let ranges: [(&str, &Range); 49] = [
+    let ranges: [(&str, &Range); 12] = [
         ("reference_pressure_pa", &limits::PRESSURE),
         ("volume_m3", &limits::NODE_VOLUME),
         ("pressure_pa", &limits::PRESSURE),
@@ -29,43 +81,6 @@ fn its_ranges_are_the_ones_that_are_checked() {
         ("diameter_m", &limits::AREA),
         ("inertance_per_m", &limits::INERTANCE),
         ("outlet_volume_m3", &limits::OUTLET_VOLUME),
-        ("resistance_pa_s2_kg2", &limits::RESISTANCE),
-        ("loss_coefficient", &limits::LOSS_COEFFICIENT),
-        ("liquid_fraction", &limits::FRACTION),
-        ("separator_efficiency", &limits::FRACTION),
-        ("mass_fraction", &limits::FRACTION),
-        ("capture_efficiency", &limits::FRACTION),
-        ("pressure_drop_pa", &limits::REFERENCE_DROP),
-        ("mass_flow_kg_s", &limits::REFERENCE_FLOW),
-        ("exponent", &limits::FLOW_EXPONENT),
-        ("density_kg_m3", &limits::DENSITY),
-        ("open_resistance_pa_s2_kg2", &limits::SOME_RESISTANCE),
-        ("exponent", &limits::VALVE_EXPONENT),
-        ("leakage_opening", &limits::LEAKAGE),
-        ("opening", &limits::FRACTION),
-        ("shutoff_pa", &limits::PRESSURE),
-        ("linear_pa_s_kg", &limits::LINEAR_FALL),
-        ("quadratic_pa_s2_kg2", &limits::SOME_RESISTANCE),
-        ("h0_m", &limits::HEAD),
-        ("h1_s_m2", &limits::HEAD_LINEAR),
-        ("h2_s2_m5", &limits::HEAD_QUADRATIC),
-        ("speed", &limits::SPEED),
-        ("discharge_coefficient", &limits::DISCHARGE),
-        ("leak_kg_d", &limits::LEAK),
-        ("pressure_drop_pa", &limits::SOME_PRESSURE),
-        ("inlet_pressure_pa", &limits::SOME_PRESSURE),
-        ("reverse_leak_kg_s", &limits::SEAT_LEAK),
-        ("reverse_pressure_pa", &limits::SOME_PRESSURE),
-        ("crack_pa", &limits::SOME_PRESSURE),
-        ("reseat_pa", &limits::PRESSURE),
-        ("leakage_opening", &limits::LEAKAGE),
-        ("set_point_pa", &limits::SOME_PRESSURE),
-        ("band_pa", &limits::SOME_PRESSURE),
-        ("lag_s", &limits::LAG),
-        ("leakage_opening", &limits::LEAKAGE),
-        ("seat_leak_kg_d", &limits::SEAT_LEAK_A_DAY),
-        ("seat_leak_pressure_pa", &limits::SOME_PRESSURE),
-        ("opening", &limits::FRACTION),
     ];
     for (key, range) in ranges {
         let row = |line: &&str| line.starts_with(&format!("| `{key}`"));
@@ -86,10 +101,11 @@ fn its_ranges_are_the_ones_that_are_checked() {
 }
 
 #[test]
-fn it_knows_every_key_that_the_files_use() {
+fn they_know_every_key_that_the_files_use() {
     for file in [include_str!("../../networks/paper.toml"), include_str!("files/zoo.toml")] {
         for key in file.lines().filter_map(|line| line.split_once(" = ")).map(|(key, _)| key) {
-            assert!(REFERENCE.contains(&format!("`{key}`")), "{key}");
+            let key = format!("`{key}`");
+            assert!(REFERENCE.contains(&key) || COMPONENTS.contains(&key), "{key}");
         }
     }
 }

@@ -5,6 +5,7 @@ use core::fmt::{self, Arguments};
 use super::any::Of;
 use super::{AnyComponent, Component};
 use crate::parameter::{Carries, InputSpec, Key, Keys, Place, Presence};
+use crate::signal::OutputSpec;
 
 /// A kind as network files see it. Implemented for every component; not to be implemented by hand.
 pub trait FileKind: Sync {
@@ -22,6 +23,10 @@ pub trait FileKind: Sync {
     fn sides(&self) -> &'static [Carries];
     /// [`Component::IDLE_WHEN_LINKED`].
     fn idle_when_linked(&self) -> &'static [&'static str];
+    /// [`Component::OUTPUTS`].
+    fn outputs(&self) -> &'static [OutputSpec];
+    /// Path of the component's type in Rust source.
+    fn path(&self) -> &'static str;
     /// Returns the component that a table describes; findings go to the table.
     fn read(&self, table: &mut dyn FileTable, line: LineFacts) -> AnyComponent;
 }
@@ -72,6 +77,14 @@ impl<C: Component> FileKind for Of<C> {
 
     fn idle_when_linked(&self) -> &'static [&'static str] {
         C::IDLE_WHEN_LINKED
+    }
+
+    fn outputs(&self) -> &'static [OutputSpec] {
+        C::OUTPUTS
+    }
+
+    fn path(&self) -> &'static str {
+        core::any::type_name::<C>()
     }
 
     fn read(&self, table: &mut dyn FileTable, line: LineFacts) -> AnyComponent {
