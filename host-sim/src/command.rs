@@ -16,14 +16,27 @@ mod stability;
 mod steady;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{BufWriter, Write, stderr, stdout};
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
+use eclss_network_file::kinds;
 
 use crate::Failure;
 use crate::args::{Cli, Command, PaperArgs};
+
+/// Runs the program on the arguments of this process; network files may name the kinds `own` beside the shipped ones.
+pub fn program(own: kinds::Kinds<'_>) -> ExitCode {
+    if let Err(error) = kinds::register(own) {
+        // Nobody is left to tell if this fails too.
+        let _ = writeln!(stderr(), "error: {error}");
+        return ExitCode::FAILURE;
+    }
+    let mut out = BufWriter::new(stdout().lock());
+    ExitCode::from(main(std::env::args_os(), &mut out, &mut stderr()))
+}
 
 /// Runs the program: `arguments` with the program's name first, results to `out`, complaints to `err`. Returns
 /// the exit code: 0 good, 2 usage or bad input, 1 failure.

@@ -1,5 +1,5 @@
 //! The host harness of eclss-rt: everything that the program `eclss-rt` does, as a library that tests can
-//! call. [`main`] is the program.
+//! call. [`program`] is the program, also that of a laboratory with kinds of component of its own.
 
 mod args;
 mod buffers;
@@ -26,7 +26,7 @@ pub mod stability;
 pub mod trace;
 
 pub use buffers::HostBuffers;
-pub use command::main;
+pub use command::{main, program};
 pub use duration::Duration;
 pub use failure::Failure;
 pub use ledger::Closure;

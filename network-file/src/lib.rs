@@ -45,6 +45,7 @@ mod error;
 mod flow_row;
 pub mod generate;
 mod input;
+pub mod kinds;
 mod leaks;
 pub mod limits;
 mod loaded;

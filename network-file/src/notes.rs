@@ -4,10 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 
 use eclss_core::component::FileKind;
-use eclss_core::components::KINDS;
 
 use crate::error::Finding;
-use crate::limits;
+use crate::{kinds, limits};
 
 /// Findings, and where in the text every key stands, by its path as in `line[0].element[2].exponent`.
 #[derive(Debug)]
@@ -22,16 +21,11 @@ pub(crate) struct Notes {
 
 impl Default for Notes {
     fn default() -> Self {
-        Self::of(KINDS)
+        Self { kinds: kinds::all(), findings: Vec::new(), count: 0, places: HashMap::new() }
     }
 }
 
 impl Notes {
-    /// Notes on a file that may name these kinds.
-    pub(crate) fn of(kinds: &'static [&'static dyn FileKind]) -> Self {
-        Self { kinds, findings: Vec::new(), count: 0, places: HashMap::new() }
-    }
-
     /// Records a problem at a span.
     pub(crate) fn refuse(&mut self, span: Span<usize>, reason: impl Into<String>) {
         self.add(span, || (reason.into(), None));

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use eclss_core::components::KINDS;
 use eclss_core::parameter::Place;
 use toml::{Table, Value};
+
+use crate::kinds;
 
 /// Tables whose entries have ids, beside those of components at nodes.
 const OWNERS: [&str; 3] = ["node", "line", "control"];
@@ -87,7 +88,7 @@ fn ids(module: &Table) -> BTreeSet<String> {
     };
     let id = |row: &Value| row.get("id").and_then(Value::as_str).map(String::from);
     let mut found = BTreeSet::new();
-    let parts = KINDS.iter().filter(|kind| kind.place() != Place::Line).map(|kind| kind.name());
+    let parts = kinds::all().iter().filter(|kind| kind.place() != Place::Line).map(|kind| kind.name());
     for row in OWNERS.into_iter().chain(parts).flat_map(|owner| rows(module, owner)) {
         found.extend(id(&row));
         found.extend(

@@ -311,7 +311,9 @@ impl Lowering<'_, '_> {
                     let both = |found: &Found| found.id == id && found.component.erased().sides().len() > 1;
                     let Some(component) = found.iter().position(both) else {
                         let path = format!("line[{line}].element[{place}]");
-                        let reason = format!("there is no condenser or interface exchanger `{id}`");
+                        let two_sided = self.notes.kinds.iter().filter(|kind| kind.sides().len() > 1);
+                        let names: Vec<_> = two_sided.map(|kind| kind.name().replace('_', " ")).collect();
+                        let reason = format!("there is no {} `{id}`", names.join(" or "));
                         self.notes.refuse_at(&path, &[key], reason);
                         continue;
                     };
