@@ -22,14 +22,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use eclss_network_file::kinds;
+use eclss_network_file::kinds::{Kinds, register};
 
 use crate::Failure;
 use crate::args::{Cli, Command, PaperArgs};
 
 /// Runs the program on the arguments of this process; network files may name the kinds `own` beside the shipped ones.
-pub fn program(own: kinds::Kinds<'_>) -> ExitCode {
-    if let Err(error) = kinds::register(own) {
+pub fn program(own: Kinds<'_>) -> ExitCode {
+    if let Err(error) = register(own) {
         // Nobody is left to tell if this fails too.
         let _ = writeln!(stderr(), "error: {error}");
         return ExitCode::FAILURE;
