@@ -4,10 +4,10 @@ use std::fmt::{self, Write as _};
 
 use eclss_core::InputSpec;
 use eclss_core::component::FileKind;
-use eclss_core::components::KINDS;
 use eclss_core::parameter::{Carries, Key, KeyType, Place, Presence};
 use eclss_core::signal::OutputSpec;
 
+use crate::kinds;
 use crate::limits::{self, Range, short};
 
 const HEAD: &str = "\
@@ -24,9 +24,9 @@ share (`id`, `kind`, `length_m`, `diameter_m` …) and the table of malfunctions
 
 ";
 
-/// Returns the text of `docs/components.md`.
+/// Returns the reference of all kinds: `docs/components.md`, and behind it the kinds that this program registered.
 pub fn components() -> String {
-    markdown(KINDS)
+    markdown(kinds::all())
 }
 
 /// Returns the reference of these kinds in Markdown.

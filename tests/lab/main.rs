@@ -135,6 +135,18 @@ fn a_run_writes_it_into_json_and_csv() {
 }
 
 #[test]
+fn the_reference_of_kinds_lists_it() {
+    register();
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let arguments = ["eclss-rt", "kinds", "--markdown"].map(std::ffi::OsString::from);
+    assert_eq!(eclss_host_sim::main(arguments, &mut out, &mut err), 0);
+    let text = String::from_utf8(out).expect("text");
+    for word in ["lab_scrubber", "capture_j_kg", "activity", "uptake"] {
+        assert!(text.contains(word), "no {word}");
+    }
+}
+
+#[test]
 fn the_page_lists_it_and_breaks_its_input() {
     register();
     let source = Source::file(&path()).expect("a good file");

@@ -2,8 +2,7 @@
 
 use std::io::Write;
 
-use eclss_core::components::KINDS;
-use eclss_network_file::reference;
+use eclss_network_file::{kinds, reference};
 
 use crate::Failure;
 use crate::args::KindsArgs;
@@ -13,8 +12,9 @@ pub(super) fn run(args: &KindsArgs, out: &mut dyn Write) -> Result<(), Failure> 
     if args.markdown {
         return Ok(out.write_all(reference::components().as_bytes())?);
     }
-    let width = KINDS.iter().map(|kind| kind.name().len()).max().unwrap_or(0);
-    for kind in KINDS {
+    let all = kinds::all();
+    let width = all.iter().map(|kind| kind.name().len()).max().unwrap_or(0);
+    for kind in all {
         writeln!(out, "{:<width$}  {}", kind.name(), kind.about())?;
     }
     Ok(())
