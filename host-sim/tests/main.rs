@@ -6,6 +6,7 @@ mod checkpoint;
 mod commands;
 mod common;
 mod coupling;
+mod first_cabin;
 mod generate;
 #[cfg(feature = "hil")]
 mod hil;

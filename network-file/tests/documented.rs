@@ -1,5 +1,7 @@
 //! The documents say what the code does.
 
+use std::path::{Path, PathBuf};
+
 use eclss_core::component::FileKind;
 use eclss_core::components::KINDS;
 use eclss_core::parameter::KeyType;
@@ -108,4 +110,67 @@ fn they_know_every_key_that_the_files_use() {
             assert!(REFERENCE.contains(&key) || COMPONENTS.contains(&key), "{key}");
         }
     }
+}
+
+/// The repository's folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is around it").to_owned()
+}
+
+/// Texts of all documents with their paths.
+fn documents() -> Vec<(PathBuf, String)> {
+    let folders = [root(), root().join("docs")];
+    let entries = folders.iter().flat_map(|folder| folder.read_dir().expect("a folder")).flatten();
+    let papers =
+        entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|end| end == "md"));
+    papers.map(|path| (path.clone(), std::fs::read_to_string(path).expect("a text"))).collect()
+}
+
+/// Names by which the headings of a document are linked.
+fn anchors(text: &str) -> Vec<String> {
+    let kept = |letter: &char| letter.is_alphanumeric() || matches!(letter, ' ' | '-' | '_');
+    let headings =
+        text.lines().filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
+    headings
+        .map(|heading| heading.to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-"))
+        .collect()
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let documents = documents();
+    assert!(documents.len() > 10, "{}", documents.len());
+    for (path, text) in &documents {
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if link.contains("://") || link.is_empty() {
+                continue;
+            }
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let folder = path.parent().expect("it lies in a folder");
+            let goal = if file.is_empty() { path.clone() } else { folder.join(file) };
+            assert!(goal.exists(), "{}: {link}", path.display());
+            if !heading.is_empty() {
+                let goal = std::fs::read_to_string(&goal).expect("a text");
+                assert!(anchors(&goal).contains(&heading.to_owned()), "{}: {link}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_functions_of_a_tick_are_where_the_picture_has_them() {
+    let picture = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("a text");
+    let picture = picture.split("## One tick").nth(1).expect("a section of the tick");
+    let mut found = 0;
+    for line in picture.lines().filter(|line| line.ends_with(".rs") && !line.ends_with("*.rs")) {
+        let mut words = line.split_whitespace().rev();
+        let (Some(file), Some(function)) = (words.next(), words.next()) else { continue };
+        let source =
+            std::fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        let name = function.rsplit("::").next().unwrap_or(function);
+        let here = ["(", "<"].iter().any(|end| source.contains(&format!("fn {name}{end}")));
+        assert!(here || source.contains(&format!("struct {name} ")), "{file} has no `{name}`");
+        found += 1;
+    }
+    assert!(found > 10, "{found}");
 }
