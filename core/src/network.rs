@@ -144,6 +144,42 @@ pub enum NetworkError {
 }
 
 impl<E> Network<'_, E> {
+    /// Returns the bytes of all tables of the description: what it takes in a board's flash.
+    pub const fn flash_bytes(&self) -> usize {
+        let Self { reference_pa: _, nodes, lines, segments, active, responsive, .. } = self;
+        let Self { inputs, schedules, points, plan, climate, .. } = self;
+        let Climate { reference_k: _, air: _, coolant: _, volumes, components, tables, passages, loops } = climate;
+        let Plan { end_start, ends, order, row_start, columns, diagonal, .. } = plan;
+        let Plan { stamps, row_of, leaves, terms, series, composite, between, .. } = plan;
+        let flows = size_of_val(*nodes)
+            + size_of_val(*lines)
+            + size_of_val(*segments)
+            + size_of_val(*active)
+            + size_of_val(*responsive)
+            + size_of_val(*inputs)
+            + size_of_val(*schedules)
+            + size_of_val(*points);
+        let contents = size_of_val(*volumes)
+            + size_of_val(*components)
+            + size_of_val(*tables)
+            + size_of_val(*passages)
+            + size_of_val(*loops);
+        let plan = size_of_val(*end_start)
+            + size_of_val(*ends)
+            + size_of_val(*order)
+            + size_of_val(*row_start)
+            + size_of_val(*columns)
+            + size_of_val(*diagonal)
+            + size_of_val(*stamps)
+            + size_of_val(*row_of)
+            + size_of_val(*leaves)
+            + size_of_val(*terms)
+            + size_of_val(*series)
+            + size_of_val(*composite)
+            + size_of_val(*between);
+        flows + contents + plan
+    }
+
     /// Reference pressure over which a flow method judges pressures [Pa]; `None` where it judges none: a climate replaces
     /// the pressures of all volumes by its own after the step and judges those. What flows alone have moved since the start
     /// is no pressure there.

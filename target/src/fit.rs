@@ -6,7 +6,7 @@ use eclss_core::{Method, Network, Sizes};
 /// What a network takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// Constant tables \[bytes\].
+    /// Constant tables, with the width of this computer's pointers \[bytes\].
     pub flash: u64,
     /// State and work of its method \[bytes\].
     pub ram: u64,
@@ -41,27 +41,9 @@ pub struct Room {
 impl Need {
     /// Returns the sum over a network's tables, and the buffers that `method` asks for.
     pub fn of(network: &Network<'_>, method: Method) -> Self {
-        let plan = network.plan;
-        let words = [plan.end_start, plan.ends, plan.order, plan.row_start, plan.columns, plan.diagonal];
-        let flash = size_of_val(network.nodes)
-            + size_of_val(network.lines)
-            + size_of_val(network.segments)
-            + size_of_val(network.active)
-            + size_of_val(network.responsive)
-            + size_of_val(network.inputs)
-            + size_of_val(network.schedules)
-            + size_of_val(network.points)
-            + words.iter().map(|list| size_of_val(*list)).sum::<usize>()
-            + size_of_val(plan.stamps)
-            + size_of_val(plan.row_of)
-            + size_of_val(plan.leaves)
-            + size_of_val(plan.terms)
-            + size_of_val(plan.series)
-            + size_of_val(plan.composite)
-            + size_of_val(plan.between);
         let Sizes { state, work, inputs, cursors } = method.sizes(network);
         let ram = size_of::<f32>() * (state + work + inputs + cursors);
-        Self { flash: flash as u64, ram: ram as u64 }
+        Self { flash: network.flash_bytes() as u64, ram: ram as u64 }
     }
 
     /// Returns Rust constants with these figures, which the firmware's own compiler holds against its tables.
