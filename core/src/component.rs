@@ -17,7 +17,8 @@ mod draft;
 mod faces;
 mod placed;
 
-pub use any::{AnyComponent, Element, Kind, ROW, Row, pad};
+pub use any::{Element, Foreign, Kind, ROW, Row, pad};
+pub use crate::components::AnyComponent;
 pub use draft::{Draft, FileKind, FileTable, LineFacts};
 pub use faces::Volumes;
 pub use faces::{Block, Heat, Passing, Seen, StepContext, VolumeView};
@@ -220,9 +221,29 @@ pub trait Component: Parameters {
     }
 }
 
-/// Writes the struct of a component's parameters, all of them `f32`, and its conversions to and from a row.
+/// Writes the struct of a component's parameters, all of them `f32`, and its conversions to and from a row. For kinds
+/// outside this crate.
 #[macro_export]
 macro_rules! parameters {
+    ($(#[$doc:meta])* pub struct $name:ident { $($(#[$about:meta])* pub $field:ident: f32,)* }) => {
+        $crate::component_parameters! {
+            $(#[$doc])*
+            pub struct $name { $($(#[$about])* pub $field: f32,)* }
+        }
+
+        impl $name {
+            /// Returns the component for a network's tables.
+            pub const fn into_any(self) -> $crate::AnyComponent {
+                $crate::AnyComponent::foreign::<Self>(&[$(self.$field),*])
+            }
+        }
+    };
+}
+
+/// Writes the struct of a component's parameters and its conversions to and from a row.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! component_parameters {
     ($(#[$doc:meta])* pub struct $name:ident { $($(#[$about:meta])* pub $field:ident: f32,)* }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq)]
@@ -242,13 +263,6 @@ macro_rules! parameters {
             fn from_row(row: &$crate::component::Row) -> Self {
                 let [$($field,)* ..] = *row;
                 Self { $($field),* }
-            }
-        }
-
-        impl $name {
-            /// Returns the component for a network's tables.
-            pub const fn into_any(self) -> $crate::component::AnyComponent {
-                $crate::component::AnyComponent::new::<Self>(&[$(self.$field),*])
             }
         }
     };

@@ -7,7 +7,7 @@ mod process;
 
 use std::fmt::{Debug, Write as _};
 
-use eclss_core::{AnyComponent, Method};
+use eclss_core::Method;
 
 use crate::loaded::Loaded;
 
@@ -85,7 +85,7 @@ impl Loaded {
         table(text, "Segments of all lines.", "SEGMENTS", "Segment", &self.segments, |segment| {
             format!(
                 "Segment {{ element: {}, inertance_per_m: {:?}, outlet_volume_m3: {:?}, first_input: {} }}",
-                component(&segment.element),
+                segment.element.source(),
                 segment.inertance_per_m,
                 segment.outlet_volume_m3,
                 segment.first_input
@@ -202,12 +202,6 @@ fn control(control: &eclss_core::climate::ControlLoop) -> String {
         .replace("Thermostat(Thermostat {", "Thermostat(::eclss_core::control::Thermostat {")
         .replace(": inf", ": f32::INFINITY")
         .replace("{ output: ", "{ output: Output::")
-}
-
-/// A component as its type and parameters.
-fn component(component: &AnyComponent) -> String {
-    let parameters: Vec<f32> = component.parameters().map(|(_, value)| value).collect();
-    format!("AnyComponent::new::<::{}>(&{parameters:?})", component.path())
 }
 
 fn constant(text: &mut String, about: &str, name: &str, kind: &str, value: impl std::fmt::Display) {

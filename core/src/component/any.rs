@@ -1,10 +1,12 @@
-//! Components of any kind side by side: a row of parameters and a reference to the functions of its kind.
+//! Components of any kind side by side: shipped kinds by their type, others by a row of parameters and a reference to the
+//! functions of their kind.
 
 use core::fmt;
 use core::marker::PhantomData;
 
-use super::{Block, Component, Heat, Parameters, Passing, Placed, Seen, StepContext, Volumes};
+use super::{AnyComponent, Block, Component, Heat, Parameters, Passing, Placed, Seen, StepContext, Volumes};
 use crate::Fingerprint;
+use crate::components::each;
 use crate::fluid::books::Accounts;
 use crate::fluid::{STORED, Stream};
 use crate::law::{Law, Operating};
@@ -276,14 +278,21 @@ impl<C: Component> Kind for Of<C> {
     }
 }
 
-/// A component of any kind: its parameters and a reference to its kind.
+/// A component of a kind that this crate does not list: its parameters and a reference to its kind.
 #[derive(Clone, Copy)]
-pub struct AnyComponent {
+pub struct Foreign {
     kind: &'static dyn Kind,
     row: Row,
 }
 
-/// Writes the functions of a component whose kind is erased.
+impl PartialEq for Foreign {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind.name() == other.kind.name() && self.row == other.row
+    }
+}
+
+/// Writes the functions of a component in a network's tables. Shipped kinds are called by their type, so that those of a
+/// network that is known when a program is compiled leave only their arithmetic.
 macro_rules! erased {
     ($($(#[$doc:meta])* $function:ident($($argument:ident: $kind:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of a component in a network's tables.
@@ -297,16 +306,21 @@ macro_rules! erased {
             fn hash_into(&self, hash: &mut Fingerprint);
         }
 
+        #[allow(clippy::inline_always, reason = "specialised by a network that is compiled in")]
         impl Element for AnyComponent {
             $(
-                #[inline]
+                #[inline(always)]
                 fn $function(&self $(, $argument: $kind)*) $(-> $result)? {
-                    self.kind.$function(&self.row $(, $argument)*)
+                    each!(
+                        self,
+                        component => Component::$function(component $(, $argument)*),
+                        foreign => foreign.kind.$function(&foreign.row $(, $argument)*)
+                    )
                 }
             )*
 
             fn hash_into(&self, hash: &mut Fingerprint) {
-                for byte in self.kind.name().bytes() {
+                for byte in self.kind().bytes() {
                     hash.word(u32::from(byte));
                 }
                 for (_, value) in self.parameters() {
@@ -318,48 +332,77 @@ macro_rules! erased {
 }
 
 impl AnyComponent {
-    /// Returns a component of kind `C` with its parameters in the order of their names, at most [`ROW`].
-    pub const fn new<C: Component>(parameters: &[f32]) -> Self {
-        Self { kind: Of::<C>::KIND, row: pad(parameters) }
+    /// Returns a component of a kind that this crate does not list, with its parameters in the order of their names.
+    pub const fn foreign<C: Component>(parameters: &[f32]) -> Self {
+        Self::Foreign(Foreign { kind: Of::<C>::KIND, row: pad(parameters) })
+    }
+
+    /// Returns a component of kind `C` with its parameters as a row.
+    pub fn new<C: Component>(row: Row) -> Self {
+        Self::erase(Of::<C>::KIND, row)
+    }
+
+    pub(super) fn erase(kind: &'static dyn Kind, row: Row) -> Self {
+        Self::shipped(kind.name(), &row).unwrap_or(Self::Foreign(Foreign { kind, row }))
     }
 
     /// Returns the component as its own type; `None` if it is of another kind.
     pub fn get<C: Component>(&self) -> Option<C> {
-        self.is::<C>().then(|| C::from_row(&self.row))
+        self.is::<C>().then(|| C::from_row(&self.row()))
     }
 
     /// Whether the component is of kind `C`.
     pub fn is<C: Component>(&self) -> bool {
-        self.kind.name() == C::KIND
-    }
-
-    pub(super) fn erase(kind: &'static dyn Kind, row: Row) -> Self {
-        Self { kind, row }
+        self.kind() == C::KIND
     }
 
     /// Returns the functions of its kind.
     pub fn erased(&self) -> &'static dyn Kind {
-        self.kind
+        fn of<C: Component>(_: &C) -> &'static dyn Kind {
+            Of::<C>::KIND
+        }
+        each!(self, component => of(component), foreign => foreign.kind)
     }
 
     /// Returns the parameters as a row.
     pub fn row(&self) -> Row {
-        self.row
+        each!(self, component => component.to_row(), foreign => foreign.row)
     }
 
     /// Returns the word of its kind in network files.
     pub fn kind(&self) -> &'static str {
-        self.kind.name()
+        self.erased().name()
     }
 
-    /// Returns the path of its type in Rust source.
-    pub fn path(&self) -> &'static str {
-        self.kind.path()
+    /// Returns the component as Rust source: an expression for constant tables.
+    pub fn source(&self) -> impl fmt::Display + use<> {
+        Source(*self)
     }
 
     /// Returns the parameters by their names.
     pub fn parameters(&self) -> impl Iterator<Item = (&'static str, f32)> {
-        self.kind.parameters().iter().copied().zip(self.row)
+        self.erased().parameters().iter().copied().zip(self.row())
+    }
+}
+
+/// A component as Rust source.
+struct Source(AnyComponent);
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.0.erased().path();
+        if let AnyComponent::Foreign(_) = self.0 {
+            write!(f, "AnyComponent::foreign::<::{path}>(&[")?;
+            for (_, value) in self.0.parameters() {
+                write!(f, "{value:?}, ")?;
+            }
+            return f.write_str("])");
+        }
+        write!(f, "::{path} {{ ")?;
+        for (name, value) in self.0.parameters() {
+            write!(f, "{name}: {value:?}, ")?;
+        }
+        f.write_str("}.into_any()")
     }
 }
 
@@ -396,15 +439,9 @@ erased! {
     removal() -> f32;
 }
 
-impl PartialEq for AnyComponent {
-    fn eq(&self, other: &Self) -> bool {
-        self.kind.name() == other.kind.name() && self.row == other.row
-    }
-}
-
 impl fmt::Debug for AnyComponent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut text = f.debug_struct(self.kind.name());
+        let mut text = f.debug_struct(self.kind());
         for (name, value) in self.parameters() {
             text.field(name, &value);
         }

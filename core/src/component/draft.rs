@@ -89,7 +89,7 @@ impl<C: Component> FileKind for Of<C> {
 
     fn read(&self, table: &mut dyn FileTable, line: LineFacts) -> AnyComponent {
         let mut draft = Draft { table, keys: C::KEYS, line };
-        AnyComponent::new::<C>(&C::from_file(&mut draft).to_row())
+        AnyComponent::new::<C>(C::from_file(&mut draft).to_row())
     }
 }
 

@@ -10,9 +10,9 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::limits::FRACTION;
 use crate::parameter::{Key, Keys, ParameterError, Reason};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one bed.
     pub struct Bed {
         /// Quadratic flow resistance R of the packing [Pa·s²/kg²]; finite and ≥ 0.

@@ -11,9 +11,9 @@ use crate::control::ActuatorFault;
 use crate::law::{Law, Operating};
 use crate::limits::SOME_PRESSURE;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one check valve.
     pub struct CheckValve {
         /// Quadratic resistance R to forward flow [Pa·s²/kg²] at the line's reference density; finite and > 0.

@@ -11,9 +11,9 @@ use crate::fluid::{Account, ENERGY, STORED, Stream};
 use crate::limits::{CONDUCTANCE, FRACTION, HEAT_CAPACITY, MASS, MOIST_TEMPERATURE, REFERENCE_FLOW, SOME_TIME};
 use crate::parameter::{Carries, InputSpec, Key, Keys, ParameterError, StepBound};
 use crate::signal::{Display, OutputSpec};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one condensing heat exchanger.
     pub struct CondensingHeatExchanger {
         /// Quadratic flow resistance R [Pa·s²/kg²] of the air side; finite and ≥ 0.

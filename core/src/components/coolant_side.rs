@@ -5,9 +5,9 @@
 use super::loss::{self, Loss, loss_face};
 use crate::component::{Component, Draft};
 use crate::parameter::{Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one coolant side.
     pub struct CoolantSide {
         /// Quadratic flow resistance R [Pa·s²/kg²] at the line's reference density; finite and ≥ 0.

@@ -10,9 +10,9 @@ use crate::component::{Block, Component, Draft, Placed, StepContext, VolumeView}
 use crate::fluid::medium::{CARBON_DIOXIDE, LIQUID, OXYGEN, PARTS, Parts, VAPOUR};
 use crate::fluid::{Account, ENERGY};
 use crate::parameter::{Carries, InputSpec, Keys, ParameterError, Place};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// A group of people in one cabin. Inputs: how many, and their activity.
     pub struct Crew {}
 }

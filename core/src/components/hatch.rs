@@ -12,9 +12,9 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::math;
 use crate::parameter::{InputSpec, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one hatch.
     pub struct Hatch {
         /// Resistance R when fully open [Pa·s²/kg²] at the line's reference density; finite and > 0.

@@ -10,9 +10,9 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::limits::FRACTION;
 use crate::parameter::{Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one condensing heat exchanger.
     pub struct HeatExchanger {
         /// Quadratic flow resistance R of the air side [Pa·s²/kg²]; finite and ≥ 0.

@@ -6,9 +6,9 @@ use super::loss::{self, Loss, loss_face};
 use crate::component::{Block, Component, Draft, Heat, Passing, Placed, StepContext};
 use crate::fluid::Stream;
 use crate::parameter::{Carries, InputSpec, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one heater.
     pub struct Heater {
         /// Quadratic flow resistance R [Pa·s²/kg²] at the line's reference density; finite and ≥ 0.

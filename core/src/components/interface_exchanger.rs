@@ -11,12 +11,12 @@ use crate::fluid::{Account, ENERGY, STORED, Stream};
 use crate::limits::{CONDUCTANCE, REFERENCE_FLOW};
 use crate::parameter::{Carries, Key, Keys, ParameterError, StepBound};
 use crate::signal::{Display, OutputSpec};
-use crate::parameters;
+use crate::component_parameters;
 
 /// Exponent of the flow in the conductance of liquids: laminar through offset strip fins, as in the condenser.
 const EXPONENT: f32 = 0.46;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one exchanger between liquids.
     pub struct InterfaceExchanger {
         /// Quadratic flow resistance R [Pa·s²/kg²] of its own side; finite and ≥ 0.

@@ -8,12 +8,12 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::limits::SOME_PRESSURE;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
 /// Seconds of a day.
 const SECONDS_A_DAY: f64 = 86_400.0;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one leak. Input: share of its area that is open.
     pub struct Leak {
         /// Effective area `C_d·A` [m²]; 1e-12 … 1e4.

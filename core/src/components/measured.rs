@@ -12,9 +12,9 @@
 use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::parameter::{InputSpec, Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one measured line.
     pub struct Measured {
         /// Largest flow in either direction that is believed [kg/s]; finite and > 0.

@@ -7,13 +7,13 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::math;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError, Reason};
-use crate::parameters;
+use crate::component_parameters;
 
 /// Smallest effective area [m²], that of a closed opening: 1 bar drives 2e-8 kg/d of air through it. Its square is a
 /// normal number of single precision.
 pub(super) const SMALLEST_AREA_M2: f32 = 1e-15;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one orifice. Input: share of its area that is open.
     pub struct Orifice {
         /// Effective area `C_d·A` [m²]; 1e-15 … 1e4.

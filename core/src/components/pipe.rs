@@ -8,9 +8,9 @@
 use super::loss::{self, Loss, loss_face};
 use crate::component::{Component, Draft};
 use crate::parameter::{Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one pipe, duct, filter or grille.
     pub struct Pipe {
         /// Quadratic flow resistance R [Pa·s²/kg²] at the line's reference density; finite and ≥ 0.

@@ -19,9 +19,9 @@ use crate::law::{Law, Operating};
 use crate::limits::SOME_PRESSURE;
 use crate::math;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one regulator. Memory: the opening x [1].
     pub struct PressureRegulator {
         /// Effective area `C_d·A` when fully open [m²]; 1e-15 … 1e4.

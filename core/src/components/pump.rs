@@ -8,9 +8,9 @@ use crate::component::{Block, Component, Draft, Heat, Passing, Placed, StepConte
 use crate::fluid::Stream;
 use crate::law::{Law, Operating};
 use crate::parameter::{Carries, InputSpec, Keys, ParameterError};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one pump.
     pub struct Pump {
         /// Pressure rise at zero flow [Pa]; finite and ≥ 0.

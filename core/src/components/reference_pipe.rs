@@ -10,7 +10,7 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::math;
 use crate::parameter::{Key, Keys, ParameterError, Reason};
-use crate::parameters;
+use crate::component_parameters;
 
 /// Pressure losses of a measurement [Pa].
 const DROP: (f64, f64) = (1e-9, 1e7);
@@ -18,7 +18,7 @@ const DROP: (f64, f64) = (1e-9, 1e7);
 /// Smallest flow, as a part of the reference flow, at which the touching curve is taken.
 const SMALLEST_PART: f32 = 1e-3;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one element known by a measured point.
     pub struct ReferencePipe {
         /// Pressure loss at the reference flow and the line's reference density [Pa]; finite and > 0.

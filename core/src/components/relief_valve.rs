@@ -13,9 +13,9 @@ use crate::law::{Law, Operating};
 use crate::limits::SOME_PRESSURE;
 use crate::math;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError, Presence, Reason};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one relief valve. Memory: 0 closed, 1 open.
     pub struct ReliefValve {
         /// Pressure difference at and above which it opens [Pa]; finite and > 0.

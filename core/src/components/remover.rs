@@ -6,9 +6,9 @@ use crate::component::{Block, Component, Draft, Placed, StepContext, VolumeView}
 use crate::fluid::medium::{LIQUID, NAMES};
 use crate::fluid::{Account, ENERGY};
 use crate::parameter::{Carries, InputSpec, Key, Keys, ParameterError, Place};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one remover. Inputs: volume flow of air, share of the part that is taken.
     pub struct Remover {
         /// The part, as its place in [`NAMES`]; 0 … 4.

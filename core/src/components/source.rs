@@ -4,9 +4,9 @@ use crate::component::{Block, Component, Draft, Placed, StepContext, VolumeView}
 use crate::fluid::medium::{LIQUID, dot};
 use crate::fluid::{Account, PARTS};
 use crate::parameter::{Carries, InputSpec, Keys, ParameterError, Place};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// A source. Inputs: heat, then the mass flow of every part.
     pub struct Source {}
 }

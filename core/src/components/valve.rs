@@ -11,9 +11,9 @@ use crate::component::{Component, Draft};
 use crate::law::{Law, Operating};
 use crate::math;
 use crate::parameter::{InputSpec, Key, Keys, ParameterError, Reason};
-use crate::parameters;
+use crate::component_parameters;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one valve.
     pub struct Valve {
         /// Resistance k when fully open [Pa·s²/kg²] at the line's reference density; finite and > 0.

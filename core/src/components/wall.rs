@@ -7,14 +7,14 @@ use crate::fluid::{Account, ENERGY, STORED};
 use crate::limits::{HEAT_CAPACITY, TEMPERATURE};
 use crate::math;
 use crate::parameter::{Carries, InputSpec, Key, Keys, ParameterError, Place, StepBound};
-use crate::parameters;
+use crate::component_parameters;
 
 /// Conductances, none included [W/K].
 const CONDUCTANCE: (f64, f64) = (0.0, 1e9);
 /// Least `c_v` of a part of air [J/(kg·K)], that of carbon dioxide and oxygen.
 const LEAST_HEAT_J_KG_K: f32 = 650.0;
 
-parameters! {
+component_parameters! {
     /// Fixed data of one wall. Input: temperature of the surroundings.
     pub struct Wall {
         /// Heat capacity [J/K]; finite, and large enough for the step.
