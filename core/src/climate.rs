@@ -254,15 +254,17 @@ impl Climate<'_> {
         network: &Network<'_, E>,
         step_s: f32,
     ) -> Result<(), ClimateError> {
-        let mut expected = crate::component::Range::default();
+        let mut before = None;
         for (index, table) in (0u32..).zip(self.tables) {
-            let range = crate::component::Range { count: table.range.count, ..expected };
-            if table.range != range || self.placed_of(table).len() != range.count as usize {
+            let own = self.placed_of(table);
+            let first = own.first().map(|placed| table.component(placed));
+            let range = first.map(|first| Table::places(before, &first, table.range.count));
+            if range != Some(table.range) || own.len() != table.range.count as usize {
                 return Err(ClimateError::Table(index));
             }
-            expected = table.behind(0);
+            before = Some(table);
         }
-        if expected.first as usize != self.components.len() {
+        if before.map_or(0, |last| last.range.first + last.range.count) as usize != self.components.len() {
             return Err(ClimateError::Table(self.tables.len() as u32));
         }
         for (index, table, placed) in self.placed() {

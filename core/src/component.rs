@@ -17,8 +17,8 @@ mod draft;
 mod faces;
 mod placed;
 
-pub use any::{Element, Foreign, Kind, ROW, Row, pad};
 pub use crate::components::AnyComponent;
+pub use any::{Element, Foreign, Kind, ROW, Row, pad};
 pub use draft::{Draft, FileKind, FileTable, LineFacts};
 pub use faces::Volumes;
 pub use faces::{Block, Heat, Passing, Seen, StepContext, VolumeView};

@@ -148,7 +148,8 @@ impl<E> Network<'_, E> {
     pub const fn flash_bytes(&self) -> usize {
         let Self { reference_pa: _, nodes, lines, segments, active, responsive, .. } = self;
         let Self { inputs, schedules, points, plan, climate, .. } = self;
-        let Climate { reference_k: _, air: _, coolant: _, volumes, components, tables, passages, loops } = climate;
+        let Climate { reference_k: _, air: _, coolant: _, volumes, components, tables, passages, loops } =
+            climate;
         let Plan { end_start, ends, order, row_start, columns, diagonal, .. } = plan;
         let Plan { stamps, row_of, leaves, terms, series, composite, between, .. } = plan;
         let flows = size_of_val(*nodes)

@@ -1,7 +1,7 @@
 //! One cabin with crew, walls and a condensing heat exchanger: ledgers over a day, and what follows in closed form.
 
 use eclss_core::climate::{Contents, Volume};
-use eclss_core::component::{Passage, Placed, Range, Table};
+use eclss_core::component::{Passage, Placed, Table};
 use eclss_core::components::coil::Condenser;
 use eclss_core::components::{CondensingHeatExchanger, Crew, Fan, HeadCurve, Remover, Source, Wall};
 use eclss_core::fluid::medium::{self, Medium};
@@ -114,9 +114,9 @@ impl Cabin {
         };
         let own = self.components.iter().map(|(component, first_input)| placed(component, *first_input));
         let components: Vec<_> = [placed(&fan, SPEED)].into_iter().chain(own).collect();
-        let mut tables = vec![Table::new::<Fan>(Range { count: 1, ..Range::default() })];
+        let mut tables = vec![Table::behind(None, &fan, 1)];
         for (component, _) in &self.components {
-            tables.push(Table::of(component, tables[tables.len() - 1].behind(1)));
+            tables.push(Table::behind(tables.last(), component, 1));
         }
         let meets = |segment: u32| Passage { segment, line: 0, table: segment, component: segment, side: 0 };
         let coil = usize::from(self.power_w > 0.0);

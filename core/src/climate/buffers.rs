@@ -25,8 +25,8 @@ pub(crate) fn sizes<E>(network: &Network<'_, E>) -> (usize, usize) {
 
 /// Lengths of state and scratch of all placed components.
 fn blocks(climate: &Climate<'_>) -> [usize; 2] {
-    let end = climate.tables.last().map_or(Range::default(), |table| table.behind(0));
-    [end.first_state as usize, end.first_scratch as usize]
+    let last = climate.tables.last().map_or(Range::default(), |table| table.range);
+    [last.state().end, last.scratch().end]
 }
 
 /// State and work buffer of a climate, cut for one step.

@@ -5,7 +5,7 @@ use super::buffers::{State, Work};
 use super::step::{Given, Stepped};
 use super::supply::own_blocks;
 use super::volume::Contents;
-use crate::component::{Block, Passage, Passing, StepContext};
+use crate::component::{Block, Passage, Passing, Range, StepContext};
 use crate::fluid::Stream;
 use crate::fluid::books::{Accounts, Books, Outside};
 use crate::fluid::medium::NITROGEN;
@@ -166,15 +166,13 @@ fn pass(
 ) -> Option<f32> {
     let table = climate.tables.get(passage.table as usize)?;
     let placed = climate.components.get(passage.component as usize)?;
-    let kind = table.kind();
-    let place = (passage.component - table.range.first) as usize;
-    let [state_words, scratch_words] = kind.blocks();
-    let Block { state: own, scratch } = own_blocks(table, state.components, work.scratch);
+    let Range { first, first_state, first_scratch, blocks: [own_state, own_scratch], .. } = table.range;
+    let place = passage.component - first;
     let block = Block {
-        state: own.get_mut(place * state_words..(place + 1) * state_words)?,
-        scratch: scratch.get_mut(place * scratch_words..(place + 1) * scratch_words)?,
+        state: state.components.get_mut(Range::words(first_state, own_state, place))?,
+        scratch: work.scratch.get_mut(Range::words(first_scratch, own_scratch, place))?,
     };
-    let heat = kind.pass(placed, step, &Passing { side: passage.side, ..way }, block, stream);
+    let heat = table.kind().pass(placed, step, &Passing { side: passage.side, ..way }, block, stream);
     if heat.outside_j != 0.0 {
         state.outside.supply_heat(heat.outside_j);
     }

@@ -4,7 +4,7 @@ use super::buffers::{Seen, Work};
 use super::monitor::{Broken, FOGGED, Limit};
 use super::volume::{self, Contents, Figures, LEAST_FRACTION};
 use super::{Climate, Volume};
-use crate::component::{Placed, Seen as Block, Table};
+use crate::component::{Placed, Range, Seen as Block, Table};
 use crate::fluid::medium::{self, CARBON_DIOXIDE, LIQUID, NITROGEN, OXYGEN, PARTS, Parts, TRACE, VAPOUR};
 use crate::fluid::{ENERGY, STORED};
 use crate::moist;
@@ -92,15 +92,11 @@ impl<'r> Rows<'r> {
 
     /// State and scratch of placed component `index`, one of `table`.
     fn block(self, index: u32, table: &Table) -> Block<'r> {
-        let place = index.saturating_sub(table.range.first) as usize;
-        let [state, scratch] = table.kind().blocks();
-        let cut = |words: &'r [f32], first: u32, length: usize| {
-            let first = first as usize + place * length;
-            words.get(first..first + length).unwrap_or(&[])
-        };
+        let Range { first, first_state, first_scratch, blocks: [state, scratch], .. } = table.range;
+        let place = index.saturating_sub(first);
         Block {
-            state: cut(self.components, table.range.first_state, state),
-            scratch: cut(self.scratch, table.range.first_scratch, scratch),
+            state: self.components.get(Range::words(first_state, state, place)).unwrap_or(&[]),
+            scratch: self.scratch.get(Range::words(first_scratch, scratch, place)).unwrap_or(&[]),
         }
     }
 

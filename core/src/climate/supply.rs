@@ -53,10 +53,8 @@ pub(super) fn own_blocks<'b>(
     state: &'b mut [f32],
     scratch: &'b mut [f32],
 ) -> Block<'b> {
-    let (from, to) = (table.range, table.behind(0));
-    let state = state.get_mut(from.first_state as usize..to.first_state as usize);
-    let scratch = scratch.get_mut(from.first_scratch as usize..to.first_scratch as usize);
-    Block { state: state.unwrap_or_default(), scratch: scratch.unwrap_or_default() }
+    let state = state.get_mut(table.range.state()).unwrap_or_default();
+    Block { state, scratch: scratch.get_mut(table.range.scratch()).unwrap_or_default() }
 }
 
 /// What a step has brought into all volumes; nothing without a climate.

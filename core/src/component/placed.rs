@@ -29,6 +29,29 @@ pub struct Range {
     pub first_state: u32,
     /// First word of their scratch.
     pub first_scratch: u32,
+    /// Words of state and of scratch of each.
+    pub blocks: [u32; 2],
+}
+
+impl Range {
+    /// Words of component `place` of the table, in the state or the scratch that begins at `first`.
+    #[inline]
+    pub(crate) fn words(first: u32, length: u32, place: u32) -> core::ops::Range<usize> {
+        let from = (first + place * length) as usize;
+        from..from + length as usize
+    }
+
+    /// Words of the state of all components.
+    #[inline]
+    pub(crate) fn state(&self) -> core::ops::Range<usize> {
+        self.first_state as usize..(self.first_state + self.count * self.blocks[0]) as usize
+    }
+
+    /// Words of the scratch of all components.
+    #[inline]
+    pub(crate) fn scratch(&self) -> core::ops::Range<usize> {
+        self.first_scratch as usize..(self.first_scratch + self.count * self.blocks[1]) as usize
+    }
 }
 
 /// All placed components of one kind, side by side.
@@ -60,9 +83,9 @@ impl Table {
         Self { kind: Of::<C>::KIND, range }
     }
 
-    /// Returns the table of the components of the kind of `component` at these places.
-    pub fn of(component: &AnyComponent, range: Range) -> Self {
-        Self { kind: component.erased(), range }
+    /// Returns the table of `count` components of the kind of `component` behind `before`.
+    pub fn behind(before: Option<&Self>, component: &AnyComponent, count: u32) -> Self {
+        Self { kind: component.erased(), range: Self::places(before, component, count) }
     }
 
     /// Returns the kind.
@@ -70,15 +93,17 @@ impl Table {
         self.kind
     }
 
-    /// Returns the places of a table of `count` components behind this one.
-    pub fn behind(&self, count: u32) -> Range {
-        let [state, scratch] = self.kind.blocks().map(|length| length as u32);
-        let Range { first, count: own, first_state, first_scratch } = self.range;
+    /// Returns the places of `count` components of the kind of `component` behind those of `before`.
+    pub fn places(before: Option<&Self>, component: &AnyComponent, count: u32) -> Range {
+        let blocks = component.erased().blocks().map(|length| length as u32);
+        let Range { first, count: own, first_state, first_scratch, blocks: [state, scratch] } =
+            before.map_or(Range::default(), |table| table.range);
         Range {
             first: first + own,
             count,
             first_state: first_state + own * state,
             first_scratch: first_scratch + own * scratch,
+            blocks,
         }
     }
 

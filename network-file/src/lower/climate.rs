@@ -4,7 +4,7 @@ mod control;
 
 use eclss_core::climate::volume::MOST_K;
 use eclss_core::climate::{Contents, Volume};
-use eclss_core::component::{FileKind, LineFacts, Passage, Placed, Range, Table};
+use eclss_core::component::{FileKind, LineFacts, Passage, Placed, Table};
 use eclss_core::fluid::medium::{self, Medium};
 use eclss_core::parameter::{Carries, KeyType, Place};
 use eclss_core::{AnyComponent, Element as _, InputSpec, moist};
@@ -178,13 +178,8 @@ impl Lowering<'_, '_> {
         let place = |kind: &str| kinds.iter().position(|known| known.name() == kind);
         found.sort_by_key(|found| place(found.component.kind()));
         for own in found.chunk_by(|a, b| a.component.kind() == b.component.kind()) {
-            let count = own.len() as u32;
-            let range = self
-                .climate
-                .tables
-                .last()
-                .map_or(Range { count, ..Range::default() }, |last| last.behind(count));
-            self.climate.tables.push(Table::of(&own[0].component, range));
+            let table = Table::behind(self.climate.tables.last(), &own[0].component, own.len() as u32);
+            self.climate.tables.push(table);
         }
         for Found { component, placed, id, path, .. } in &found {
             self.climate.components.push(Placed { row: component.row(), ..*placed });
