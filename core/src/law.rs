@@ -18,7 +18,7 @@ pub struct Law {
 
 impl Law {
     /// Resistance of a closed seat [Pa·s²/kg²], and the largest of any: 1 bar drives 3e-8 kg/d through it. R·w² at
-    /// 1000 kg/s and 4·R·Δp at 60 MPa stay within single precision.
+    /// 1000 kg/s and 4·R·Δp at 60 megapascals stay within single precision.
     pub const TIGHT_PA_S2_KG2: f32 = 1e30;
 
     /// Linear resistance of a source of flow [Pa·s/kg]: 1 bar adds 1e-13 kg/s to what it carries.

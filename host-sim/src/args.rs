@@ -62,6 +62,7 @@ pub(crate) enum Command {
 /// Arguments of `hil`.
 #[cfg(feature = "hil")]
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub(crate) struct HilArgs {
     /// Network file.
     #[arg(long, value_name = "FILE")]

@@ -269,7 +269,7 @@ fn a_crafted_record_neither_panics_nor_runs_for_ever() {
     std::fs::write(&path, [&good[..at], &record, &good[at + 9 + length..]].concat()).unwrap();
     let refused = replay(&path).unwrap_err().to_string();
     assert!(refused.contains("more steps than ticks"), "{refused}");
-    assert!(begun.elapsed() < Duration::from_secs(120), "{:?}", begun.elapsed());
+    assert!(begun.elapsed() < Duration::from_mins(2), "{:?}", begun.elapsed());
 }
 
 /// Two floods, of the listed peer's nonsense and of strangers: every tick runs, looks at a bounded number of bytes,

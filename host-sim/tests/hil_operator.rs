@@ -129,7 +129,7 @@ fn a_run_ends_whatever_is_typed() {
             let text = "hold\nfly\n\nstep 3\n".repeat(1_000);
             while orders.write_all(text.as_bytes()).is_ok() {}
         });
-        plant.console.listen(Duration::from_millis(1_000));
+        plant.console.listen(Duration::from_secs(1));
         if let Some(signal) = ending {
             let pid = plant.console.child.id().to_string();
             assert!(

@@ -54,12 +54,11 @@ pub(crate) fn slots_of(
                 let range = limits::of(&slot.spec);
                 notes.refuse_at(path, &[name], format!("`{name}` must lie in {range}, not at {start:?}"));
             }
-            Some(_) => {}
             // Its loss is the only one that decides by a key whether an input exists.
             None if *name == "opening" => {
                 notes.refuse_at(path, &[name], "an `opening` is for an element with `blockable = true`");
             }
-            None => {}
+            Some(_) | None => {}
         }
     }
 }

@@ -15,7 +15,7 @@ fn pipe(resistance_pa_s2_kg2: f32) -> AnyComponent {
 }
 
 /// Settled flow [kg/s] of one line of three elements between boundaries, flow state on the last.
-fn settled(elements: [AnyComponent; 3], driving_pa: f32) -> Result<f64, BuildError> {
+fn settled(elements: &[AnyComponent; 3], driving_pa: f32) -> Result<f64, BuildError> {
     let mut tables = Tables::default();
     let ends = (tables.node(None, driving_pa), tables.node(None, 0.0));
     tables.line(ends, &elements, 2, 0.0, 1e-3);
@@ -38,7 +38,7 @@ fn zero(balance: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn a_linear_loss_ahead_of_a_drain_feels_its_own_flow() -> Result<(), BuildError> {
     let curve = HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 2_000.0, quadratic_pa_s2_kg2: 100.0 };
-    let flow = settled([Fan::new(curve).into_any(), HEAT_EXCHANGER, pipe(5e3)], 0.0)?;
+    let flow = settled(&[Fan::new(curve).into_any(), HEAT_EXCHANGER, pipe(5e3)], 0.0)?;
     let exact = zero(|w| {
         let ahead = UPSTREAM * w;
         300.0 - 2_000.0 * ahead - 200.0 * ahead * ahead - 5e3 * w * w
@@ -50,7 +50,7 @@ fn a_linear_loss_ahead_of_a_drain_feels_its_own_flow() -> Result<(), BuildError>
 #[test]
 fn a_power_law_ahead_of_a_drain_feels_its_own_flow() -> Result<(), BuildError> {
     let element = ReferencePipe { pressure_drop_pa: 200.0, mass_flow_kg_s: 0.1, exponent: 1.75 };
-    let flow = settled([element.into_any(), HEAT_EXCHANGER, pipe(5e3)], 300.0)?;
+    let flow = settled(&[element.into_any(), HEAT_EXCHANGER, pipe(5e3)], 300.0)?;
     let exact = zero(|w| {
         let ahead = UPSTREAM * w;
         300.0 - 200.0 * (ahead / 0.1).powf(1.75) - 100.0 * ahead * ahead - 5e3 * w * w

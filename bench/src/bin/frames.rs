@@ -13,7 +13,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (method, step_us, until_ms, nodes) = match arguments.as_slice() {
         [method, step_us, until_ms] => (method, step_us, until_ms, None),
-        [method, step_us, until_ms, file] if file.ends_with(".toml") => {
+        [method, step_us, until_ms, file]
+            if std::path::Path::new(file).extension().is_some_and(|end| end == "toml") =>
+        {
             let loaded = eclss_network_file::load(file.as_ref())?;
             return run(&loaded.network(), method, step_us.parse()?, until_ms.parse()?);
         }

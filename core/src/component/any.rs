@@ -133,13 +133,12 @@ struct Blocks<'b>(Block<'b>);
 impl Blocks<'_> {
     #[inline]
     fn next<C: Component>(&mut self) -> Block<'_> {
-        fn cut<'b>(words: &mut &'b mut [f32], length: usize) -> &'b mut [f32] {
-            let (own, rest) = core::mem::take(words).split_at_mut_checked(length).unwrap_or_default();
-            *words = rest;
-            own
-        }
         let Block { state, scratch } = &mut self.0;
-        Block { state: cut(state, C::STATE), scratch: cut(scratch, C::SCRATCH) }
+        let (own, rest) = core::mem::take(state).split_at_mut_checked(C::STATE).unwrap_or_default();
+        *state = rest;
+        let (derived, rest) = core::mem::take(scratch).split_at_mut_checked(C::SCRATCH).unwrap_or_default();
+        *scratch = rest;
+        Block { state: own, scratch: derived }
     }
 }
 

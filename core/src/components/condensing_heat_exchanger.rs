@@ -292,9 +292,9 @@ struct Cut<'b> {
 
 impl<'b> Cut<'b> {
     #[inline]
-    fn of(block: Block<'b>) -> Option<Self> {
-        let (walls, stores) = block.state.split_at_mut_checked(4 * CELLS)?;
-        let (figures, shown) = block.scratch.split_at_mut_checked(3 * CELLS)?;
+    fn of(Block { state, scratch }: Block<'b>) -> Option<Self> {
+        let (walls, stores) = state.split_at_mut_checked(4 * CELLS)?;
+        let (figures, shown) = scratch.split_at_mut_checked(3 * CELLS)?;
         Some(Self {
             walls: walls.as_chunks_mut().0.first_chunk_mut()?,
             stores: stores.first_chunk_mut()?,

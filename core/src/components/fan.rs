@@ -1,6 +1,6 @@
 //! Fan: raises the pressure of a gas by a head curve that falls with volume flow; all electric power ends as heat in it.
 //!
-//! Source: Qiu et al. 2017, pressurisation component; law and validity in [`HeadCurve`]. P = N³·P_0 at the speed N.
+//! Source: Qiu et al. 2017, pressurisation component; law and validity in [`HeadCurve`]. P = N³·`P_0` at the speed N.
 
 use super::turbomachine::{self, turbomachine};
 use super::HeadCurve;

@@ -198,10 +198,10 @@ struct Cut<'b> {
 }
 
 impl<'b> Cut<'b> {
-    fn of(block: Block<'b>) -> Option<Self> {
-        let (figures, shown) = block.scratch.split_at_mut_checked(3 * CELLS)?;
+    fn of(Block { state, scratch }: Block<'b>) -> Option<Self> {
+        let (figures, shown) = scratch.split_at_mut_checked(3 * CELLS)?;
         Some(Self {
-            walls: block.state.as_chunks_mut().0.first_chunk_mut()?,
+            walls: state.as_chunks_mut().0.first_chunk_mut()?,
             figures: figures.as_chunks_mut().0.first_chunk_mut()?,
             shown: shown.first_chunk_mut()?,
         })

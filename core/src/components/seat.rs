@@ -96,13 +96,7 @@ fn remaining(draft: &mut Draft<'_>, opening: f64) -> f32 {
         let reason = "the closed seat would let more through than the open element";
         draft.refuse("seat_leak_kg_d", format_args!("{reason}"));
     }
-    (if opening > 1.0 {
-        1.0
-    } else if opening < TIGHT {
-        TIGHT
-    } else {
-        opening
-    }) as f32
+    opening.clamp(TIGHT, 1.0) as f32
 }
 
 /// Refuses a leakage opening outside 1e-18 … 1.

@@ -151,14 +151,13 @@ impl<'t> Pc<'t> {
                 Order::Quit => self.quits = true,
                 // Within what was made room for, because nothing is allocated here.
                 Order::Force(forcing) if self.forces.len() < FORCES => self.forces.push_back(forcing),
-                Order::Force(_) => self.measured.refused += 1,
                 Order::Mode(_) if self.request == Some(Request::Stop) => {}
                 Order::Mode(request) => self.request = Some(request),
                 Order::Pace(pace) => {
                     self.measured.refused += u32::from(self.clock.set(pace, armed).is_err());
                 }
                 Order::Ticks(ticks) if self.clock.pace() == Pace::Paused => self.steps += ticks,
-                Order::Ticks(_) => self.measured.refused += 1,
+                Order::Force(_) | Order::Ticks(_) => self.measured.refused += 1,
             }
         }
         if armed && self.clock.pace() != Pace::Real {

@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn lines_are_cut_to_the_longest_order() {
-        let text = [b"arm\n".as_slice(), &[b'x'; 100_000], b"\n\nhold\r\nstop"].concat();
+        let text = [b"arm\n".as_slice(), &vec![b'x'; 100_000], b"\n\nhold\r\nstop"].concat();
         let mut input = text.as_slice();
         let lines: Vec<String> = std::iter::from_fn(|| next_line(&mut input)).collect();
         assert_eq!(lines[1].len(), 256);

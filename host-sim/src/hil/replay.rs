@@ -158,7 +158,7 @@ impl Tape {
                 self.network = Some(data.into_owned());
             }
             Record::Attachment { header, data, .. } if header.name == START => {
-                self.start = Some(data.into_owned())
+                self.start = Some(data.into_owned());
             }
             Record::Message { header, data } => {
                 let topic = self.topics.get(&header.channel_id).cloned().unwrap_or_default();

@@ -175,6 +175,7 @@ impl LinkFigures {
     }
 
     /// The same with what is known of the peer's clock.
+    #[must_use]
     pub fn with_drift(self, drift: Option<Drift>) -> Self {
         Self {
             peer_drift_ppm: drift.map(|drift| drift.ppb as f64 / 1e3),

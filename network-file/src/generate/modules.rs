@@ -72,12 +72,12 @@ pub fn modules(text: &str, count: usize, joint: &str) -> Result<String, StationE
         run.remove("record");
     }
     let lines = station.get_mut("line").and_then(Value::as_array_mut);
-    lines.into_iter().for_each(|lines| {
+    if let Some(lines) = lines {
         for after in 1..count {
             lines.push(ventilation(joint, after - 1, after));
             lines.push(ventilation(joint, after, after - 1));
         }
-    });
+    }
     Ok(station.to_string())
 }
 

@@ -112,7 +112,7 @@ fn state_density<E: Element>(
         let intake = gas_of(line.from);
         let gas = if forward { intake } else { gas_of(line.to) };
         let (mut sums, mut ratio, mut inertance) = ([0.0f32; 3], 1.0f32, 0.0);
-        for index in (first..last + 1).rev() {
+        for index in (first..=last).rev() {
             let Some(segment) = network.segments.get(index) else { continue };
             if index < last && forward {
                 ratio *= 1.0 + segment.element.removal();
@@ -171,7 +171,7 @@ fn blocks<E: Element>(network: &Network<'_, E>, reach: &Reach<'_, '_, E>, w: f32
 ///
 /// The first stage of TR-BDF2 goes on to its end with the flow of its middle, so a volume that empties through a valve
 /// passes the pressure that it empties into. What the stage moved too much comes back in the second, through the open valve:
-/// the valve is shut once the *mean* flow of the step reverses, w̄ = 1/√2·w_m + (1 − 1/√2)·w, and then moves its leak.
+/// the valve is shut once the *mean* flow of the step reverses, `w̄ = 1/√2·w_m + (1 − 1/√2)·w`, and then moves its leak.
 #[inline(never)]
 pub(super) fn state_laws<E: Element, const SECOND: bool>(
     network: &Network<'_, E>,
@@ -211,7 +211,7 @@ pub(super) fn state_laws<E: Element, const SECOND: bool>(
                 if SECOND { CARRY_OVER * (at(flow, last as u32) + at(first, last as u32)) } else { 0.0 };
             let returns = moved > 0.0 && w < 0.0 && blocks(network, reach, w, memory);
             let still = if returns { -moved } else { 0.0 };
-            let forward = if w == still { ends[0] >= ends[1] } else { w > still };
+            let forward = if (w - still).abs() < f32::MIN_POSITIVE { ends[0] >= ends[1] } else { w > still };
             let forward = forward && !(turned && place == Place::Closing);
             if last == flow_place {
                 line_forward = forward;

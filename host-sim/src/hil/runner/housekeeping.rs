@@ -58,6 +58,7 @@ pub(super) struct Housekeeping<'o> {
 }
 
 impl<'o> Housekeeping<'o> {
+    #[allow(clippy::too_many_arguments, reason = "each is a part that the runner owns")]
     pub(super) fn new(
         out: &'o mut dyn Write,
         job: &Job,
