@@ -65,7 +65,7 @@ impl fmt::Display for Range {
 pub(crate) fn short(number: f64) -> String {
     let plain = number == 0.0 || (1e-3..1e4).contains(&number.abs());
     let single = number as f32;
-    match (plain, f64::from(single) == number) {
+    match (plain, f64::from(single).to_bits() == number.to_bits()) {
         (true, true) => format!("{single}"),
         (true, false) => format!("{number}"),
         (false, true) => format!("{single:e}"),

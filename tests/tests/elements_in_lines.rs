@@ -18,7 +18,7 @@ fn pipe(resistance_pa_s2_kg2: f32) -> AnyComponent {
 fn settled(elements: &[AnyComponent; 3], driving_pa: f32) -> Result<f64, BuildError> {
     let mut tables = Tables::default();
     let ends = (tables.node(None, driving_pa), tables.node(None, 0.0));
-    tables.line(ends, &elements, 2, 0.0, 1e-3);
+    tables.line(ends, elements, 2, 0.0, 1e-3);
     product::with_simulator(&tables.network(), Method::Relaxation, 1_000, |simulator| {
         product::step_until(simulator, 100_000_000);
         f64::from(simulator.line_flow_kg_s(0))

@@ -293,11 +293,11 @@ impl PartialEq for Foreign {
 /// Writes the functions of a component in a network's tables. Shipped kinds are called by their type, so that those of a
 /// network that is known when a program is compiled leave only their arithmetic.
 macro_rules! erased {
-    ($($(#[$doc:meta])* $function:ident($($argument:ident: $kind:ty),*) $(-> $result:ty)?;)*) => {
+    ($($(#[doc = $doc:literal])* $(#[inline($inline:ident)])? $function:ident($($argument:ident: $kind:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of a component in a network's tables.
         pub trait Element {
             $(
-                $(#[$doc])*
+                $(#[doc = $doc])*
                 fn $function(&self $(, $argument: $kind)*) $(-> $result)?;
             )*
 
@@ -308,7 +308,7 @@ macro_rules! erased {
         #[allow(clippy::inline_always, reason = "specialised by a network that is compiled in")]
         impl Element for AnyComponent {
             $(
-                #[inline(always)]
+                $(#[inline($inline)])?
                 fn $function(&self $(, $argument: $kind)*) $(-> $result)? {
                     each!(
                         self,
@@ -411,20 +411,25 @@ erased! {
     /// See [`Component::input_spec`].
     input_spec(index: usize) -> Option<InputSpec>;
     /// See [`Component::is_active`].
+    #[inline(always)]
     is_active() -> bool;
     /// See [`Component::follows_flow`].
+    #[inline(always)]
     follows_flow() -> bool;
     /// See [`Component::may_be_linear`].
+    #[inline(always)]
     may_be_linear() -> bool;
     /// See [`Component::least_resistance_pa_s2_kg2`].
     least_resistance_pa_s2_kg2() -> f32;
     /// See [`Component::responds`].
+    #[inline(always)]
     responds() -> bool;
     /// See [`Component::needs_both_ends`].
     needs_both_ends() -> bool;
     /// See [`Component::chord_over_secant`].
     chord_over_secant() -> f32;
     /// See [`Component::law`].
+    #[inline(always)]
     law(at: &Operating<'_>) -> Law;
     /// See [`Component::reverse_law`].
     reverse_law(at: &Operating<'_>) -> Law;
@@ -435,6 +440,7 @@ erased! {
     /// See [`Component::settles`].
     settles() -> bool;
     /// See [`Component::removal`].
+    #[inline(always)]
     removal() -> f32;
 }
 

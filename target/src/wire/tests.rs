@@ -98,9 +98,9 @@ fn a_socket_that_was_left_behind_is_taken_over() {
     drop(UnixListener::bind(&path).unwrap());
     assert!(path.exists(), "nobody removed it");
     let address = Address::Unix { path: path.clone(), listens: true };
-    let (first, _keeper) = open(&address).unwrap();
+    let (first, keeper) = open(&address).unwrap();
     assert!(open(&address).is_err(), "somebody listens");
-    drop((first, _keeper));
+    drop((first, keeper));
     std::fs::write(&path, "a file").unwrap();
     assert!(open(&address).is_err());
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "a file");
