@@ -58,7 +58,7 @@ fn init_ends_when_the_operator_says_so() {
     let text = std::fs::read_to_string("../networks/hil.toml").unwrap();
     let process = "[process]\nsettled_s = 3000.0\n";
     std::fs::write(&file, text.replacen("[process]\n", process, 1)).unwrap();
-    let words = ["hil", "--network", file.to_str().unwrap(), "--rate", "100", "--speed", "inf", "--operator"];
+    let words = ["hil", "--network", file.to_str().unwrap(), "--rate", "100", "--speed", "100", "--operator"];
     let mut console = Console::start(&words);
     console.wait_for("→ INIT");
     console.listen(Duration::from_secs(2));

@@ -258,7 +258,8 @@ fn generated_source_and_generated_stations_name_it() {
     let source = loaded.to_rust();
     let kind = std::any::type_name::<Scrubber>();
     assert!(
-        source.contains(&format!("AnyComponent::new::<::{kind}>(&[50000.0, 0.02, 0.1, 1000000.0, 120.0])")),
+        source
+            .contains(&format!("AnyComponent::foreign::<::{kind}>(&[50000.0, 0.02, 0.1, 1000000.0, 120.0])")),
         "{kind}"
     );
     assert!(source.contains(&format!("Table::new::<::{kind}>(")));

@@ -76,6 +76,7 @@ id = "valve"
 kind = "valve"
 open_resistance_pa_s2_kg2 = 723.0
 exponent = 3.0757585
+leakage_opening = 1e-3
 opening = 0.0
 [[line.element]]
 id = "duct"
@@ -86,6 +87,7 @@ id = "outlet"
 kind = "valve"
 open_resistance_pa_s2_kg2 = 723.0
 exponent = 1.4646256
+leakage_opening = 1e-3
 opening = 0.46
 "#;
     let mut wrong = Vec::new();

@@ -391,11 +391,9 @@ impl fmt::Display for Source {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let path = self.0.erased().path();
         if let AnyComponent::Foreign(_) = self.0 {
-            write!(f, "AnyComponent::foreign::<::{path}>(&[")?;
-            for (_, value) in self.0.parameters() {
-                write!(f, "{value:?}, ")?;
-            }
-            return f.write_str("])");
+            let row = self.0.row();
+            let given = row.get(..self.0.erased().parameters().len()).unwrap_or(&row);
+            return write!(f, "AnyComponent::foreign::<::{path}>(&{given:?})");
         }
         write!(f, "::{path} {{ ")?;
         for (name, value) in self.0.parameters() {
