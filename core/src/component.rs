@@ -24,7 +24,7 @@ pub use faces::Volumes;
 pub use faces::{Block, Heat, Passing, Seen, StepContext, VolumeView};
 pub use placed::{Passage, Placed, Range, Table};
 
-use crate::fluid::{Account, STORED, Stream};
+use crate::fluid::{Account, Stream};
 use crate::law::{Law, Operating};
 use crate::parameter::{Carries, InputSpec, Keys, ParameterError, Place, StepBound};
 use crate::signal::OutputSpec;
@@ -210,10 +210,9 @@ pub trait Component: Parameters {
     ) {
     }
 
-    /// Returns the masses [kg] and energy [J] that it holds beyond its start, in double precision: for the ledgers.
-    fn holds(&self, _state: &[f32]) -> [f64; STORED] {
-        [0.0; STORED]
-    }
+    /// Tells the ledgers the masses [kg] and energy [J] that it holds beyond its start: calls `held` with a place of
+    /// [`Stored`](crate::fluid::Stored) and a summand, as often as needed. The ledgers sum in double precision; a board does not.
+    fn holds(&self, _state: &[f32], _held: &mut dyn FnMut(usize, f32)) {}
 
     /// Returns the value of figure `item` of [`Self::OUTPUTS`].
     fn output(&self, _item: usize, _placed: &Placed, _step: &StepContext<'_>, _seen: Seen<'_>) -> f32 {

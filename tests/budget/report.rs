@@ -13,8 +13,9 @@ use crate::trace::{Part, Step, steps};
 const TRACED: &str = "mps2-an386";
 /// The method of `networks/thcs.toml`.
 const DAY_METHOD: &str = "implicit-euler";
-/// A step that is counted and one that is traced may differ by how they are called [instructions].
-const CALLING: u32 = 8;
+/// A step that is counted and one that is traced may differ by how they are called [instructions]: they are two programs, and
+/// the compiler keeps other registers over the call (the largest difference seen is ten).
+const CALLING: u32 = 12;
 
 /// What was measured.
 pub(crate) struct Report {

@@ -10,7 +10,7 @@
 use eclss_core::component::{Block, Component, Draft, Heat, Passing, Placed, Seen, StepContext};
 use eclss_core::components::loss;
 use eclss_core::fluid::medium::CARBON_DIOXIDE;
-use eclss_core::fluid::{Account, ENERGY, STORED, Stream};
+use eclss_core::fluid::{Account, ENERGY, Stream};
 use eclss_core::parameter::{Carries, InputSpec, Key, Keys, ParameterError, StepBound};
 use eclss_core::signal::{Display, OutputSpec};
 use eclss_core::{Law, Operating, math, parameters};
@@ -165,16 +165,15 @@ impl Component for Scrubber {
         account.give([ENERGY], [released]);
     }
 
-    fn holds(&self, state: &[f32]) -> [f64; STORED] {
-        let mut held = [0.0; STORED];
+    fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         if let ([cells, carries], [heat, carry]) =
             (state.as_chunks::<CELLS>().0, state.as_chunks::<CELLS>().1)
         {
-            let pairs = cells.iter().zip(carries);
-            held[CARBON_DIOXIDE] = pairs.map(|(cell, carry)| f64::from(*cell) - f64::from(*carry)).sum();
-            held[ENERGY] = f64::from(*heat) - f64::from(*carry);
+            cells.iter().for_each(|cell| held(CARBON_DIOXIDE, *cell));
+            carries.iter().for_each(|carry| held(CARBON_DIOXIDE, -carry));
+            held(ENERGY, *heat);
+            held(ENERGY, -carry);
         }
-        held
     }
 
     fn output(&self, item: usize, _placed: &Placed, step: &StepContext<'_>, seen: Seen<'_>) -> f32 {

@@ -298,8 +298,11 @@ impl<'o, 'n> Observed<'o, 'n> {
         for table in self.climate.tables {
             let placed: &[Placed] = self.climate.placed_of(table);
             for (index, placed) in (table.range.first..).zip(placed) {
-                let held = table.kind().holds(&placed.row, rows.block(index, table).state);
-                sums.iter_mut().zip(held).for_each(|(sum, held)| *sum += held);
+                table.kind().holds(&placed.row, rows.block(index, table).state, &mut |part, held| {
+                    if let Some(sum) = sums.get_mut(part) {
+                        *sum += f64::from(held);
+                    }
+                });
             }
         }
         sums

@@ -7,8 +7,8 @@ use core::marker::PhantomData;
 use super::{AnyComponent, Block, Component, Heat, Parameters, Passing, Placed, Seen, StepContext, Volumes};
 use crate::Fingerprint;
 use crate::components::each;
+use crate::fluid::Stream;
 use crate::fluid::books::Accounts;
-use crate::fluid::{STORED, Stream};
 use crate::law::{Law, Operating};
 use crate::parameter::{Carries, InputSpec, ParameterError, Place, StepBound};
 use crate::signal::OutputSpec;
@@ -116,7 +116,7 @@ pub trait Kind: Sync {
         accounts: &mut Accounts<'_>,
     );
     /// [`Component::holds`].
-    fn holds(&self, row: &Row, state: &[f32]) -> [f64; STORED];
+    fn holds(&self, row: &Row, state: &[f32], held: &mut dyn FnMut(usize, f32));
     /// [`Component::output`].
     fn output(&self, item: usize, placed: &Placed, step: &StepContext<'_>, seen: Seen<'_>) -> f32;
 }
@@ -193,7 +193,7 @@ impl<C: Component> Kind for Of<C> {
         check_step(step_s: f32) -> Result<(), StepBound>;
         conductance_w_k() -> f32;
         gas_kg_s(inputs: &[f32]) -> f32;
-        holds(state: &[f32]) -> [f64; STORED];
+        holds(state: &[f32], held: &mut dyn FnMut(usize, f32));
     }
 
     fn sides(&self) -> &'static [Carries] {

@@ -7,7 +7,7 @@ use super::loss::{self, Loss, loss_face};
 use super::separator::{STORES, Separator, separate};
 use crate::component::{Block, Component, Draft, Heat, Passing, Placed, Seen, StepContext};
 use crate::fluid::medium::{LIQUID, VAPOUR};
-use crate::fluid::{Account, ENERGY, STORED, Stream};
+use crate::fluid::{Account, ENERGY, Stream};
 use crate::limits::{CONDUCTANCE, FRACTION, HEAT_CAPACITY, MASS, MOIST_TEMPERATURE, REFERENCE_FLOW, SOME_TIME};
 use crate::parameter::{Carries, InputSpec, Key, Keys, ParameterError, StepBound};
 use crate::signal::{Display, OutputSpec};
@@ -223,20 +223,19 @@ impl Component for CondensingHeatExchanger {
         account.give([LIQUID, ENERGY], [lost.water_kg, lost.energy_j]);
     }
 
-    fn holds(&self, state: &[f32]) -> [f64; STORED] {
-        let mut held = [0.0; STORED];
+    fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         let (walls, stores) = state.split_at_checked(4 * CELLS).unwrap_or_default();
-        let sum = |sums: &[f32], carries: &[f32]| -> f64 {
-            sums.iter().zip(carries).map(|(sum, carry)| f64::from(*sum) - f64::from(*carry)).sum()
+        let mut pairs = |part: usize, sums: &[f32], carries: &[f32]| {
+            sums.iter().for_each(|sum| held(part, *sum));
+            carries.iter().for_each(|carry| held(part, -carry));
         };
         if let Some([energy, energy_carry, film, film_carry]) = walls.as_chunks::<CELLS>().0.first_chunk() {
-            held[ENERGY] = sum(energy, energy_carry);
-            held[VAPOUR] = sum(film, film_carry);
+            pairs(ENERGY, energy, energy_carry);
+            pairs(VAPOUR, film, film_carry);
         }
-        let store = |place: usize| stores.get(place..place + 2).map_or(0.0, |pair| sum(&pair[..1], &pair[1..]));
-        held[VAPOUR] += store(0) + store(2) + store(4);
-        held[ENERGY] += store(6) + store(8);
-        held
+        for (part, pair) in [VAPOUR, VAPOUR, VAPOUR, ENERGY, ENERGY].iter().zip(stores.as_chunks::<2>().0) {
+            pairs(*part, &pair[..1], &pair[1..]);
+        }
     }
 
     fn output(&self, item: usize, _placed: &Placed, step: &StepContext<'_>, seen: Seen<'_>) -> f32 {

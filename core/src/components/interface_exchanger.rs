@@ -7,7 +7,7 @@ use super::coil::{CELLS, Coil, Condenser, WallFigures, WallStates};
 use super::condensing_heat_exchanger::{CAPACITY, COOLANT_FLOW, COOLANT_TEMPERATURE, FOULING, START};
 use super::loss::{self, Loss, loss_face};
 use crate::component::{Block, Component, Draft, Heat, Passing, Placed, Seen, StepContext};
-use crate::fluid::{Account, ENERGY, STORED, Stream};
+use crate::fluid::{Account, ENERGY, Stream};
 use crate::limits::{CONDUCTANCE, REFERENCE_FLOW};
 use crate::parameter::{Carries, Key, Keys, ParameterError, StepBound};
 use crate::signal::{Display, OutputSpec};
@@ -167,12 +167,11 @@ impl Component for InterfaceExchanger {
         cut.coil(&condenser, self.start_k, 1.0, step).settle();
     }
 
-    fn holds(&self, state: &[f32]) -> [f64; STORED] {
-        let mut held = [0.0; STORED];
+    fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         if let Some([energy, carry]) = state.as_chunks::<CELLS>().0.first_chunk() {
-            held[ENERGY] = energy.iter().zip(carry).map(|(sum, carry)| f64::from(*sum) - f64::from(*carry)).sum();
+            energy.iter().for_each(|sum| held(ENERGY, *sum));
+            carry.iter().for_each(|carry| held(ENERGY, -carry));
         }
-        held
     }
 
     fn output(&self, item: usize, _placed: &Placed, step: &StepContext<'_>, seen: Seen<'_>) -> f32 {

@@ -3,7 +3,7 @@
 //! `C·dT/dt = G_i·(T_volume − T) − G_o·(T − T_outside)`, explicit Euler; one rounded number for each heat.
 
 use crate::component::{Block, Component, Draft, Placed, StepContext, VolumeView};
-use crate::fluid::{Account, ENERGY, STORED};
+use crate::fluid::{Account, ENERGY};
 use crate::limits::{HEAT_CAPACITY, TEMPERATURE};
 use crate::math;
 use crate::parameter::{Carries, InputSpec, Key, Keys, ParameterError, Place, StepBound};
@@ -94,11 +94,10 @@ impl Component for Wall {
         account.take_up_heat(outer);
     }
 
-    fn holds(&self, state: &[f32]) -> [f64; STORED] {
-        let mut held = [0.0; STORED];
+    fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         if let [energy, carry] = *state {
-            held[ENERGY] = f64::from(energy) - f64::from(carry);
+            held(ENERGY, energy);
+            held(ENERGY, -carry);
         }
-        held
     }
 }
