@@ -169,8 +169,12 @@ impl Component for Scrubber {
         if let ([cells, carries], [heat, carry]) =
             (state.as_chunks::<CELLS>().0, state.as_chunks::<CELLS>().1)
         {
-            cells.iter().for_each(|cell| held(CARBON_DIOXIDE, *cell));
-            carries.iter().for_each(|carry| held(CARBON_DIOXIDE, -carry));
+            for cell in cells {
+                held(CARBON_DIOXIDE, *cell);
+            }
+            for carry in carries {
+                held(CARBON_DIOXIDE, -carry);
+            }
             held(ENERGY, *heat);
             held(ENERGY, -carry);
         }

@@ -76,11 +76,16 @@ fn panics_are_found_where_there_are_some() {
     }
 }
 
+/// A channel may carry the gap of a ledger, which is a sum in double precision: on request, and never in a step (see
+/// [`a_step_cannot_panic_allocate_or_compute_in_software`]). Sums need no more than these.
+const GAPS: [&str; 4] = ["__aeabi_d2f", "__aeabi_dadd", "__aeabi_dsub", "__aeabi_f2d"];
+
 #[test]
-fn no_firmware_has_a_heap_or_computes_in_software() {
+fn no_firmware_has_a_heap_or_computes_in_software_but_for_gaps() {
     for program in PROGRAMS {
         let symbols = symbols(program);
-        assert_eq!(named(&symbols, in_software), [""; 0], "{program}");
+        let beyond = |name: &str| in_software(name) && !GAPS.contains(&name);
+        assert_eq!(named(&symbols, beyond), [""; 0], "{program}");
         assert_eq!(named(&symbols, allocates), [""; 0], "{program}");
     }
 }

@@ -226,8 +226,8 @@ impl Component for CondensingHeatExchanger {
     fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         let (walls, stores) = state.split_at_checked(4 * CELLS).unwrap_or_default();
         let mut pairs = |part: usize, sums: &[f32], carries: &[f32]| {
-            sums.iter().for_each(|sum| held(part, *sum));
-            carries.iter().for_each(|carry| held(part, -carry));
+            for sum in sums { held(part, *sum); }
+            for carry in carries { held(part, -carry); }
         };
         if let Some([energy, energy_carry, film, film_carry]) = walls.as_chunks::<CELLS>().0.first_chunk() {
             pairs(ENERGY, energy, energy_carry);

@@ -169,8 +169,8 @@ impl Component for InterfaceExchanger {
 
     fn holds(&self, state: &[f32], held: &mut dyn FnMut(usize, f32)) {
         if let Some([energy, carry]) = state.as_chunks::<CELLS>().0.first_chunk() {
-            energy.iter().for_each(|sum| held(ENERGY, *sum));
-            carry.iter().for_each(|carry| held(ENERGY, -carry));
+            for sum in energy { held(ENERGY, *sum); }
+            for carry in carry { held(ENERGY, -carry); }
         }
     }
 
