@@ -24,7 +24,7 @@ pub enum Reason {
 pub struct ParameterError {
     /// Name of the parameter as in the component's struct.
     pub parameter: &'static str,
-    /// What is wrong with it.
+    /// The reason.
     pub reason: Reason,
 }
 
@@ -123,7 +123,7 @@ pub struct StepBound {
     pub unit: &'static str,
 }
 
-/// What a key of a network file may hold.
+/// Kind of value that a key of a network file takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KeyType {
     /// A number in a unit.
@@ -159,7 +159,7 @@ pub enum Presence {
 pub struct Key {
     /// The key, with its unit as suffix.
     pub name: &'static str,
-    /// What it holds.
+    /// Kind of value that it takes.
     pub holds: KeyType,
     /// Whether it must be given.
     pub presence: Presence,

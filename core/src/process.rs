@@ -459,7 +459,7 @@ mod tests {
                 process.force(Direction::In, 0, Force::None) && process.force(Direction::Out, 0, Force::None)
             );
             let back = ticks(&mut process, 2_000, 0.25);
-            // The valve's rate is 1 in a second, the flow's likewise.
+            // Valve and flow both change at a rate of 1 in a second.
             assert!(
                 back.array_windows().all(|[a, b]| (b.0 - a.0).abs() < 1.1e-3 && (b.1 - a.1).abs() < 1.1e-3)
             );

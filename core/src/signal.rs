@@ -28,7 +28,7 @@ pub enum Owner {
     GasLine,
     /// An element in a line, counted over all lines.
     Segment,
-    /// What a node holds, where there is a climate.
+    /// Contents of a node, where there is a climate.
     Volume,
     /// The same where that is air.
     Air,
@@ -194,7 +194,7 @@ impl Output {
     /// Names of the places in an owner's list; `None` for a single figure.
     const fn list(self) -> Option<&'static [&'static str]> {
         match self {
-            // What lies free has no partial pressure.
+            // Free liquid has no partial pressure.
             Self::PartialPressure => Some(medium::NAMES.split_at(medium::LIQUID).0),
             Self::MassGap => Some(&MASSES),
             _ => None,

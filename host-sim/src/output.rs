@@ -50,7 +50,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(&part, path));
     if written.is_err() {
-        // What is left of it is of no use to anybody.
+        // The remains are of no use.
         let _ = fs::remove_file(&part);
     }
     written.map_err(failed)

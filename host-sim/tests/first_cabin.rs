@@ -3,7 +3,7 @@
 use crate::common::Folder;
 
 const TUTORIAL: &str = include_str!("../../docs/first-cabin.md");
-/// What stands before the arguments of a command.
+/// Command line before its arguments.
 const CALLS: [&str; 2] = ["cargo run --release -- ", "eclss-rt "];
 
 /// Fenced blocks with their languages.

@@ -199,7 +199,7 @@ fn a_spoilt_record_is_refused() {
     let path = job.record.as_ref().unwrap().folder.join("record.mcap");
     assert!(replay(&path).unwrap().agrees());
     let good = std::fs::read(&path).unwrap();
-    // What stands behind the data is an index for viewers.
+    // The index for viewers follows the data.
     for cut in [0, 8, good.len() / 4, good.len() / 2] {
         std::fs::write(&path, &good[..cut]).unwrap();
         let cut_short = replay(&path);

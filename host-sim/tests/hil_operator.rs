@@ -197,7 +197,7 @@ fn a_second_record_in_the_same_folder_is_refused() {
     assert!(files() == first);
 }
 
-/// What `check --hil` refuses is not coupled, unless somebody accepts it by name; both say so before anything is armed.
+/// A coupling that `check --hil` refuses is not started unless it is accepted by name; both warn before arming.
 #[test]
 fn an_unstable_coupling_is_not_started() {
     let file = place("tight.toml");

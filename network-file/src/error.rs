@@ -12,7 +12,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 pub struct FileError {
     name: String,
     problems: Vec<Problem>,
-    /// Problems that are not told.
+    /// Number of problems that are not listed.
     more: usize,
 }
 

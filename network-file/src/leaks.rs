@@ -1,4 +1,4 @@
-//! What leaves for space: the flows of all lines that end in a vacuum, at the start's pressures and inputs.
+//! Flow to space: the sum over all lines that end in a vacuum, at the start's pressures and inputs.
 
 use eclss_core::{Network, NodeKind, air};
 
@@ -7,7 +7,7 @@ use crate::steady::{SPACE_PA, flows_at_start};
 /// Seconds of a day.
 const SECONDS_A_DAY: f64 = 86_400.0;
 
-/// What leaves for space at the start.
+/// Flow to space at the start.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Leaks {
     /// Index of every line that lets something out, and how much [kg/d].

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 /// Largest file [bytes].
 pub const FILE_BYTES: usize = 32 << 20;
-/// Most problems of a file that are told; of the others their number.
+/// Largest number of problems of a file that are listed; the others are counted.
 pub const FINDINGS: usize = 100;
 /// Most nodes in a file.
 pub const NODES: usize = 16_384;

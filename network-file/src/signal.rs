@@ -10,7 +10,7 @@ use crate::loaded::{Loaded, Names};
 pub struct NamedSignal {
     /// Name in files and pages, as in `valve.mass_flow`.
     pub name: String,
-    /// What a simulator reads.
+    /// Data that a simulator reads.
     pub signal: Signal,
     /// Name behind the id, label, unit and form.
     pub spec: OutputSpec,

@@ -62,7 +62,7 @@ impl<'n, 't> Table<'n, 't> {
     pub(crate) fn text(&mut self, key: &'static str) -> Option<String> {
         let value = self.value(key)?;
         match value.get_ref() {
-            // What is shown on terminals must not steer them.
+            // Text shown on a terminal must not contain control characters.
             DeValue::String(text) if text.chars().any(char::is_control) => {
                 self.notes.refuse(value.span(), format!("`{key}` has a control character"));
                 None

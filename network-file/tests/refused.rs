@@ -508,7 +508,7 @@ fn all_mistakes_of_a_file_are_told_at_once() {
     assert_eq!(lines, [12, 18, 34, 38, 49]);
 }
 
-/// Small wrong files are told in time: the first problems, and how many more there are.
+/// Small wrong files are refused quickly: the first problems are listed, the others counted.
 #[test]
 fn problems_without_end_are_counted_and_not_all_told() {
     use eclss_network_file::limits::FINDINGS;

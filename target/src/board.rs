@@ -36,7 +36,7 @@ pub struct Forcing {
     pub direction: Direction,
     /// Its number in the process image.
     pub channel: u16,
-    /// What is put in its place.
+    /// Value in its place.
     pub force: Force,
 }
 
@@ -78,7 +78,7 @@ pub trait Board {
     fn request(&mut self) -> Option<Request> {
         None
     }
-    /// What an operator at this board puts in a channel's place, once.
+    /// Value that an operator at this board forces on a channel, once.
     fn force(&mut self) -> Option<Forcing> {
         None
     }

@@ -33,7 +33,7 @@ impl Ledger {
     }
 }
 
-/// What a volume of air shows.
+/// Figures of a volume of air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readings {
     /// Temperature [K].

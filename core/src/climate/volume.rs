@@ -44,7 +44,7 @@ pub enum Contents {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Volume {
-    /// What it holds.
+    /// Kind of value that it takes.
     pub contents: Contents,
     /// Mass at the start [kg]; finite and > 0. Any for a boundary.
     pub start_kg: f32,

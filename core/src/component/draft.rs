@@ -105,7 +105,7 @@ pub trait FileTable {
     fn refuse(&mut self, key: &'static str, reason: Arguments<'_>);
 }
 
-/// What a component may know of its line at the start.
+/// Data of the line that a component may read at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineFacts {
     /// Reference density [kg/m³]; 0 for a line out of a vacuum, or whose coolant is unknown.

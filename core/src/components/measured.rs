@@ -70,7 +70,7 @@ mod tests {
 
     const RIG: Measured = Measured { largest_flow_kg_s: 0.2, slope_kg_s_pa: 1e-3 };
 
-    /// Whatever the pressure difference, the flow of the law is the measured one, and none is none.
+    /// The law gives the measured flow at every pressure difference, and no flow where none was measured.
     #[test]
     fn the_flow_is_the_measured_one() {
         for flow in [-0.2f32, -0.01, 0.0, 0.0865, 0.2] {

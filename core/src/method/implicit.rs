@@ -20,8 +20,8 @@
 //! is a part of the correction, not of pressures, and the next one sees it as imbalance: volumes so small that a
 //! rounding of their pressure drives more flow than a rounding of the flow takes are no less at rest than others.
 //!
-//! What a climate brings into a volume from outside within the step is a known part of its balance, and so is the rate at which
-//! it says that heat, composition and fog move a pressure.
+//! Mass that sources, crew, removers and fog bring into a volume within the step is a known term of the volume's balance, and so is
+//! the rate at which heat, composition and fog change its pressure.
 //!
 //! Masses move by mean flows over the step, each rounded once, never by the solved pressures.
 

@@ -1,6 +1,6 @@
 //! Forces: what a test puts in a channel's place, as a fault of the wire or of what hangs on it.
 
-/// What a channel carries instead of its signal, in the channel's unit.
+/// Value that a channel carries instead of its signal, in the channel's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Force {
     /// The signal itself.

@@ -30,7 +30,7 @@ impl OutputState {
         }
     }
 
-    /// What goes out, in the signal's unit.
+    /// Output value, in the signal's unit.
     pub fn value(&self) -> f32 {
         self.value.value()
     }

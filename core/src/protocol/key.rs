@@ -12,7 +12,7 @@ const DOMAIN: &[u8] = b"eclss-rt command 1";
 /// Room for a command as it is sent.
 const COMMAND_BYTES: usize = 32;
 
-/// What both ends share and nobody else knows.
+/// Secret key shared by both ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Key([u8; KEY_BYTES]);
 

@@ -46,7 +46,7 @@ pub enum Display {
 pub struct Shown {
     /// The unit.
     pub unit: &'static str,
-    /// What a pressure counts from: `abs`, `gauge`, or nothing where the name says it.
+    /// Reference of a pressure: `abs`, `gauge`, or nothing where the name says it.
     pub datum: &'static str,
     /// See [`Shown`].
     pub factor: f64,
@@ -73,7 +73,7 @@ impl Display {
         }
     }
 
-    /// What a column's name ends with, as `_gauge_pa`.
+    /// Suffix of a column's name, as `_gauge_pa`.
     pub const fn suffix(self) -> &'static str {
         match self {
             Self::GaugePressure => "_gauge_pa",

@@ -81,7 +81,7 @@ pub(super) fn run(args: &CheckArgs, out: &mut dyn Write) -> Result<(), Failure> 
     Ok(())
 }
 
-/// What leaves for space at the start, and a warning where it is a noticeable part of the air.
+/// Flow to space at the start, with a warning where it is a noticeable part of the air.
 fn write_leaks(out: &mut dyn Write, loaded: &Loaded) -> Result<Option<String>, Failure> {
     let leaks = leaks_to_space(&loaded.network(), &loaded.inputs);
     if leaks.lines.is_empty() {

@@ -42,7 +42,7 @@ pub struct Order<'a> {
     pub network: &'a str,
     /// Checkpoint of the start.
     pub start: &'a [u8],
-    /// What is known of the run when it begins.
+    /// Data known when the run begins.
     pub begin: &'a BTreeMap<String, String>,
 }
 

@@ -88,7 +88,7 @@ impl Replay<'_> {
 /// Time that one row of a record stands for at most [s]: what bounds the steps of a replay by the record's size.
 pub const ROW_S: u64 = 60;
 
-/// What of a record is not a message.
+/// Parts of a record that are not messages.
 #[derive(Default)]
 struct Tape {
     begin: Option<BTreeMap<String, String>>,
@@ -103,7 +103,7 @@ struct Tape {
     torn: bool,
 }
 
-/// What a replay reads of a row.
+/// Part of a row that a replay reads.
 #[derive(Debug, Deserialize)]
 struct Rest {
     plant_tick: u64,

@@ -243,7 +243,7 @@ pub fn run(source: &Source, job: &Job, out: &mut dyn Write) -> Result<Report, Fa
     Ok(report(source, job, &outcome, seen, wall_s))
 }
 
-/// What a record says of the run from its begin on.
+/// Data of the run that a record states from its beginning.
 fn told(settings: Settings) -> BTreeMap<String, String> {
     BTreeMap::from([
         ("method".to_owned(), settings.method.name().to_owned()),

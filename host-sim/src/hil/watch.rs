@@ -251,7 +251,7 @@ impl Bench {
     }
 }
 
-/// What a record says of such a run.
+/// Data that a record states of such a run.
 fn watched() -> BTreeMap<String, String> {
     BTreeMap::from([("watched".to_owned(), "a board".to_owned())])
 }

@@ -30,7 +30,7 @@ pub struct Value {
 }
 
 impl Value {
-    /// What is published of a signal.
+    /// Published description of a signal.
     pub fn of(named: &NamedSignal) -> Self {
         let spec = &named.spec;
         Self {

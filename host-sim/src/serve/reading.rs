@@ -1,4 +1,4 @@
-//! What a page shows of a network.
+//! Figures of a network that a page shows.
 
 use eclss_core::signal::Owner;
 use eclss_core::{Method, Output, Signal};

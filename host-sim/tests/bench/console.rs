@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// A program that runs, and what it has said.
+/// A running program and its output so far.
 pub(crate) struct Console {
     pub(crate) child: Child,
     pub(crate) orders: Option<ChildStdin>,

@@ -151,7 +151,7 @@ fn the_newest_frames_are_kept() {
     assert_eq!(kept, &sent[1_500 - kept.len()..]);
     assert_eq!(kept.len(), 5, "as many as fit");
     assert_eq!(link.counts().bytes_skipped, (1_500 - 1 - 5) * 35);
-    // What ends no frame is left out as a whole, and what follows it comes through.
+    // Bytes that end no frame are dropped as a whole; the frames after them are read.
     assert_eq!(other.write(&[7; 1_000]), 1_000);
     link.skip(200);
     assert_eq!(link.read(&mut buffer), 0);

@@ -226,7 +226,7 @@ fn eliminate<const UNROLL: bool>(plan: &Plan<'_>, row: usize, work: &mut Work<'_
     let node = at_node(plan, row);
     let [mut held, mut known] = work.swept.get(node as usize).copied().unwrap_or([0.0; 2]);
     every!(few UNROLL, columns(plan, lower).iter(), &by => {
-        // What earlier rows pass on is there.
+        // Earlier rows have passed their streams on already.
         if let (Some(&[share, increment]), true) =
             (work.swept.get(at_node(plan, by as usize) as usize), by as usize >= first_core(plan))
         {

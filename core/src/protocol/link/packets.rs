@@ -126,7 +126,7 @@ impl Link {
                 if data.echo.sequence != 0 {
                     self.clock.exchange(data.echo.time_us, packet.time_us, data.echo.age_us, now_us);
                 }
-                // What echoes nothing was made without any knowledge of this end, so that its age is not known.
+                // A frame without an echo was made without any knowledge of this end, so that its age is not known.
                 let answers = data.echo.sequence != 0 || self.config.stale_us == u64::MAX;
                 if !answers || now_us.saturating_sub(data.echo.time_us) > self.config.stale_us {
                     self.counters.stale = self.counters.stale.saturating_add(1);

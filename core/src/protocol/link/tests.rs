@@ -141,7 +141,7 @@ fn data_that_are_too_old_are_silence() {
     }
     let plant = &wire.ends[0];
     let [age, used] = [plant.silence_ticks(), plant.newest().data.echo.time_us as u32 / 1_000];
-    // What came in tick 20 + n was sent in tick 20 + n/2.
+    // A frame received in tick 20 + n was sent in tick 20 + n/2.
     assert!((26..=30).contains(&used), "echo of tick {used}");
     assert!((40..=44).contains(&age), "{age} ticks of silence");
     assert!(plant.counters().stale - before >= 18 && plant.is_connected());
