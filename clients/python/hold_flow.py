@@ -18,6 +18,8 @@ from eclss_link import Link
 
 
 AT_MOST_UNDER_WAY = 4
+# Longest time that one sample stands for [s]: an error that was not measured is not integrated.
+LONGEST_SAMPLE_S = 0.02
 
 
 def connect(address: str) -> socket.socket:
@@ -82,21 +84,21 @@ def main() -> int:
                 mode = data["mode"]
                 modes.append(mode)
                 last = link.tick
-            # What the plant does not vouch for is no measurement: the valve stays where it is.
+            # A value whose quality is not good is no measurement: the valve stays where it is.
             measured = link.value(0)
             flow = flow if measured is None else measured
             if mode == "RUN":
                 first_run = link.tick if first_run is None else first_run
                 run_ticks = link.tick - first_run
             if mode == "RUN" and measured is not None:
-                error, passed_s = args.set_point - flow, (link.tick - last) * step_s
+                error, passed_s = args.set_point - flow, min((link.tick - last) * step_s, LONGEST_SAMPLE_S)
                 total = min(max(total + ki * error * passed_s, 0.02), 1.0)
                 most = rate_per_s * passed_s
                 wanted = min(max(total + kp * error, opening - most), opening + most)
                 opening = min(max(wanted, 0.02), 1.0)
             last = link.tick
         tick += 1
-        # What is sent faster than it is taken only grows old in a queue.
+        # Frames sent faster than the plant takes them only grow old in a queue.
         room = not link.connected or (link.under_way <= AT_MOST_UNDER_WAY and not backlog)
         # A plant that cannot be trusted has to start anew; any other only wants to be acknowledged.
         untrusted = link.ack is not None and link.ack.get("value") == "plant"
