@@ -8,7 +8,7 @@ use eclss_network_file::{Loaded, NamedSignal};
 
 use crate::plot::Point;
 
-/// What a run of `loaded` writes down: what its file chose, and the figures of the run itself behind it.
+/// Record of a run of `loaded`: the signals that its file chose, followed by the figures of the run itself.
 pub fn columns(loaded: &Loaded) -> Vec<NamedSignal> {
     let mut columns = loaded.records.clone();
     let of_run = |named: &NamedSignal| named.signal.output.owner() == Owner::Run;

@@ -314,7 +314,7 @@ fn a_flood_delays_nothing() {
     assert!(report.tick.p50_us < 1_000.0, "{:?}", report.tick);
 }
 
-/// A controller that sends some two hundred frames a tick, more than a tick looks at: the plant runs on what it said last. Each value
+/// A controller that sends some two hundred frames a tick, more than a tick reads: the plant runs on its newest values. Each value
 /// tells which of the plant's ticks had come when it was sent.
 #[test]
 fn a_controller_that_is_too_fast_is_heard_as_it_speaks_now() {

@@ -148,7 +148,7 @@ fn a_run_ends_whatever_is_typed() {
     }
 }
 
-/// What was recorded a second before a run is killed can be read, and replayed as far as it goes.
+/// A record of a killed run can be read up to a second before its end, and replayed as far as it goes.
 #[test]
 fn a_record_outlives_its_program() {
     let folder = place("killed");

@@ -108,7 +108,7 @@ fn several_lines_and_nodes_are_reported_by_id() {
     assert!(!out.contains("line `hatch`"), "a line without inputs has nothing to sweep: {out}");
 }
 
-/// What `signals` lists of a network without `record` is what a run of it writes: as columns and in the JSON.
+/// The signals that `signals` lists for a network without `record` are those that a run writes, as columns and in the JSON.
 #[test]
 fn the_list_of_signals_is_what_a_run_writes() {
     let folder = Folder::new("json_signals");

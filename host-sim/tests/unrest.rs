@@ -141,7 +141,7 @@ fn a_node_that_the_operator_slows_is_named() {
     assert!(code == 0 && !out.contains("slowed  "), "{out}");
 }
 
-/// What leaves for space is summed and warned of, line by line; a tight valve gives nothing to warn of.
+/// The flow to space is summed and named in a warning, line by line; a tight valve causes no warning.
 #[test]
 fn check_sums_what_leaks_to_space() {
     let folder = Folder::new("unrest_leaks");

@@ -78,7 +78,7 @@ impl FileError {
         self.more
     }
 
-    /// What was found, in file order, up to [`crate::limits::FINDINGS`]; never empty.
+    /// Problems found, in file order, up to [`crate::limits::FINDINGS`]; never empty.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }

@@ -23,7 +23,7 @@ pub struct Loaded {
     pub names: Names,
     /// Where they are named in the file.
     pub places: Places,
-    /// What every input slot publishes; set point and bias of a control are in the unit of what it measures.
+    /// Published description of every input slot; set point and bias of a control have the unit of its measurement.
     pub input_specs: Vec<OutputSpec>,
     /// Smallest and largest value of every input slot, in its unit.
     pub ranges: Vec<(f32, f32)>,

@@ -375,7 +375,7 @@ fn run_defaults(file: &NetworkFile, notes: &mut Notes) -> RunDefaults {
     RunDefaults { method: method.unwrap_or(Method::Relaxation), step_us, until_us }
 }
 
-/// What the input slots publish: as they are declared, except what a control takes in the unit of what it measures.
+/// Published descriptions of the input slots: as declared, except inputs of a control, which have the unit of its measurement.
 fn input_specs(specs: &[InputSpec], climate: &Climate<'_>) -> Vec<OutputSpec> {
     let mut list: Vec<_> = specs.iter().map(OutputSpec::of_input).collect();
     for control in climate.loops {

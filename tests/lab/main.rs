@@ -205,7 +205,7 @@ fn ledgers_close_over_an_hour_with_what_it_holds() {
                 ledger.turned_over,
                 ledger.unit
             );
-            // What is only moved about, as nitrogen here, is turned over in the lines alone.
+            // A gas that is only moved, as nitrogen here, is turned over in the lines alone.
             let turned = if ledger.turned_over > 0.0 { ledger.turned_over } else { 24.0 };
             assert!(gap <= 1e-6 * turned, "{}, {}: {gap:e} of {turned:e}", method.name(), ledger.name);
         }

@@ -12,7 +12,7 @@ use crate::trace::Trace;
 /// Curves that a panel shows at most.
 const CURVES: usize = CYCLE.len();
 
-/// What a panel shows: figures of one form. Inputs share one, and figures of a list, such as partial pressures, differ so
+/// Content of a panel: figures of one form. Inputs share one, and figures of a list, such as partial pressures, differ so
 /// much in size that each has its own.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {

@@ -90,7 +90,7 @@ fn others_can_connect_to_us() {
     until(|| link.read(&mut buffer) == 5);
 }
 
-/// What a program that was killed has left behind is no hindrance; a socket at which somebody listens is, and so is a file.
+/// A socket left by a killed program is taken over; a socket in use is refused, and so is a file.
 #[test]
 fn a_socket_that_was_left_behind_is_taken_over() {
     let path = socket("stale");

@@ -52,7 +52,7 @@ fn dig(depth: u32) -> u32 {
     dig(depth + 1).wrapping_add(ballast[depth as usize % 64])
 }
 
-/// What the emulator's command line asks for: words `seconds=N`,
+/// Requests on the emulator's command line: words `seconds=N`,
 /// `overload=FROM_TICK:TICKS:MICROSECONDS`, `trap=panic|address|stack`, `pace=real|free` (whether to keep step with
 /// the wall's clock) and `role=plant|controller`.
 pub(super) struct Request {
