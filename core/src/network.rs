@@ -11,7 +11,6 @@ use crate::{Climate, Fingerprint, Node, Plan, PlanError, Schedule, SchedulePoint
 
 /// One element at its place in a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Segment<E = AnyComponent> {
     /// The element.
     pub element: E,
@@ -25,7 +24,6 @@ pub struct Segment<E = AnyComponent> {
 
 /// A series of elements between two nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     /// Node at the inlet.
     pub from: u32,
@@ -55,7 +53,6 @@ impl Line {
 
 /// A segment whose law changes during a run and the line that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Active {
     /// The segment.
     pub segment: u32,
@@ -66,7 +63,6 @@ pub struct Active {
 /// A line whose laws respond to the pressures at their ends, to the direction of flow, to a memory or to the
 /// density of the gas that comes: all of them are stated anew in every step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Responsive {
     /// The line.
     pub line: u32,

@@ -12,7 +12,6 @@ use crate::{Fingerprint, air};
 
 /// What a node does with the flows that reach it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NodeKind {
     /// A well-mixed gas volume: cabin, module, plenum.
@@ -34,7 +33,6 @@ pub enum NodeKind {
 
 /// Fixed data of one node.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Node {
     /// Volume or boundary.

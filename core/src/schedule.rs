@@ -8,7 +8,6 @@ use crate::Fingerprint;
 
 /// How values between two points are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Interpolation {
     /// Straight line from point to point.
     Linear,
@@ -18,7 +17,6 @@ pub enum Interpolation {
 
 /// One point of a schedule.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SchedulePoint {
     /// Plant time [µs].
     pub time_us: u64,
@@ -28,7 +26,6 @@ pub struct SchedulePoint {
 
 /// Drives one input slot along its points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Schedule {
     /// The input slot.
     pub input: u32,

@@ -66,7 +66,6 @@ pub struct OutputSpec {
 
 /// One figure of one owner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Signal {
     /// The figure.
@@ -85,7 +84,6 @@ macro_rules! outputs {
     )*) => {
         /// Figures that owners publish.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         pub enum Output {$($(
             #[doc = $label]

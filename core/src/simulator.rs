@@ -238,7 +238,7 @@ impl<'a, E: Element> Simulator<'a, E> {
                 h,
                 state,
                 work,
-                StageInputs { start, middle, end, virtual_k, supplied, rates_pa_s: &[] },
+                StageInputs { start, middle, end, virtual_k, supplied },
             ),
         };
         if let Some(running) = running {

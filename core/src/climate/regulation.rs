@@ -5,7 +5,6 @@ use crate::{Fingerprint, InputSpec, Signal};
 
 /// A sensor, a controller and an actuator in series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ControlLoop {
     /// Signal that the sensor looks at, of a volume or an exchanger.

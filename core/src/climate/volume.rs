@@ -30,7 +30,6 @@ use crate::{Fingerprint, Node, NodeKind, math, moist};
 
 /// What a node holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Contents {
     /// Cabin air.
@@ -41,7 +40,6 @@ pub enum Contents {
 
 /// Fixed data of one volume, beside its [`Node`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Volume {
     /// Kind of value that it takes.

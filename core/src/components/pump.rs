@@ -33,14 +33,3 @@ impl Component for Pump {
 
     turbomachine!(face);
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_stopped_machine_is_a_plain_resistance() {
-        let curve = HeadCurve { shutoff_pa: 300.0, linear_pa_s_kg: 0.0, quadratic_pa_s2_kg2: 13e3 };
-        assert_eq!(Pump::new(curve).law(&Operating::plain(&[0.0], 0.01)), Law::quadratic(13e3));
-    }
-}

@@ -5,7 +5,6 @@ use crate::{Fingerprint, math};
 
 /// Fixed data of one actuator; its position is 0 closed … 1 open and maps to `closed` … `open` of what it drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Actuator {
     /// Fastest travel [1/s]; > 0, finite.

@@ -13,7 +13,6 @@ use crate::{Fingerprint, math};
 
 /// Fixed data of a PID controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pid {
     /// Gain K, share of the output per unit of the reading; finite, not 0.
@@ -32,7 +31,6 @@ pub struct Pid {
 
 /// Fixed data of a thermostat: full output from `half_band` on one side of the setpoint to `half_band` on the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Thermostat {
     /// Half width of the hysteresis, in the unit of the reading; finite and > 0.
@@ -43,7 +41,6 @@ pub struct Thermostat {
 
 /// A controller of either kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Controller {
     /// Continuous.

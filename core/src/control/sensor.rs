@@ -8,7 +8,6 @@ use crate::{Fingerprint, math};
 
 /// Fixed data of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sensor {
     /// Lowest reading, in the unit of what is measured; finite, below `max`.

@@ -20,8 +20,7 @@
 //! is a part of the correction, not of pressures, and the next one sees it as imbalance: volumes so small that a
 //! rounding of their pressure drives more flow than a rounding of the flow takes are no less at rest than others.
 //!
-//! Mass that sources, crew, removers and fog bring into a volume within the step is a known term of the volume's balance, and so is
-//! the rate at which heat, composition and fog change its pressure.
+//! Mass that sources, crew, removers and fog bring into a volume within the step is a known term of the volume's balance.
 //!
 //! Masses move by mean flows over the step, each rounded once, never by the solved pressures.
 
@@ -241,27 +240,14 @@ pub(crate) struct StageInputs<'i> {
     pub(crate) virtual_k: &'i [f32],
     /// What comes into every volume from outside in this step.
     pub(crate) supplied: Supplied<'i>,
-    /// How fast the pressure of every node rises in this step by what else is known, heat for one [Pa/s]: beside what its
-    /// flows and `supplied` bring at its own temperature. Empty where nothing is.
-    pub(crate) rates_pa_s: &'i [f32],
 }
 
-/// Adds the known parts of all nodes' balances that are the same in both stages: what is supplied, and the flows that would raise
-/// the pressures as fast as `rates_pa_s`.
+/// Adds the supplied flows, which are the same in both stages, to the known part of the nodes' balances.
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "part of a step that may be specialised")]
-fn add_known<E>(
-    network: &Network<'_, E>,
-    (h, tau): (f32, f32),
-    inputs: &StageInputs<'_>,
-    known: &mut [f32],
-    capacity: &[f32],
-) {
-    let supplied = inputs.supplied.flows_kg_s(&network.climate, h);
+fn add_supplied<E>(network: &Network<'_, E>, step_s: f32, supplied: Supplied<'_>, known: &mut [f32]) {
+    let supplied = supplied.flows_kg_s(&network.climate, step_s);
     known.iter_mut().zip(supplied).for_each(|(known, flow)| *known += flow);
-    for ((known, capacity), rate) in known.iter_mut().zip(capacity).zip(inputs.rates_pa_s) {
-        *known += (capacity * tau) * rate;
-    }
 }
 
 /// The columns of a pass, out of the work buffer.
@@ -320,7 +306,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
     law::update::<E, UNROLL, false>(network, model.tau, first, state.flow, work);
     respond!(first, At::Start, false);
     work.known.fill(0.0);
-    add_known(network, (h, model.tau), &inputs, work.known, work.capacity);
+    add_supplied(network, h, inputs.supplied, work.known);
     line::forget(network, work);
     segment::push::<true>(work.head, work.pushed);
     solve::<E, UNROLL, true>(model, state.flow, work);
@@ -341,7 +327,7 @@ pub(crate) fn step<E: Element, const UNROLL: bool>(
         {
             *known = (CARRY_OVER - 1.0) * capacity * delta;
         }
-        add_known(network, (h, model.tau), &inputs, work.known, work.capacity);
+        add_supplied(network, h, inputs.supplied, work.known);
         line::carry_over(network, work);
         law::update::<E, UNROLL, true>(network, model.tau, inputs.end, state.flow, work);
         respond!(inputs.end, At::NextStage, true);
@@ -480,79 +466,4 @@ fn first_outside<E>(network: &Network<'_, E>, flow: &[f32], pressure: &[f32]) ->
     let beyond = |gauge: f32| reference_pa.is_some_and(|reference| Fault::outside(gauge, reference));
     let node = || nodes.iter().position(|gauge| beyond(*gauge));
     line.or_else(|| node().map(|index| Place::Node(index as u32)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::climate::Climate;
-    use crate::components::Pipe;
-    use crate::{Node, Plan, Segment};
-
-    /// A heated box behind a wide opening gives off what no longer fits into it, V/(Rg·T)·dp/dt, within the step.
-    #[test]
-    fn what_a_known_rate_drives_out_leaves_within_the_step() {
-        let kinds = [NodeKind::Cabin { volume_m3: 0.1 }, NodeKind::Boundary];
-        let nodes = kinds.map(|kind| Node { kind, start_gauge_pa: 0.0, temperature_k: 295.15 });
-        let lines = [Line {
-            from: 0,
-            to: 1,
-            first_segment: 0,
-            segments: 1,
-            flow_segment: 0,
-            laminar_below_pa: 1e-3,
-            start_flow_kg_s: 0.0,
-        }];
-        let element = Pipe::new(1.0).into_any();
-        let segments = [Segment { element, inertance_per_m: 0.0, outlet_volume_m3: 0.0, first_input: 0 }];
-        let network = Network {
-            reference_pa: 101_325.0,
-            nodes: &nodes,
-            lines: &lines,
-            segments: &segments,
-            active: &[],
-            responsive: &[],
-            inputs: &[],
-            schedules: &[],
-            points: &[],
-            plan: Plan {
-                end_start: &[0, 1, 2],
-                ends: &[0, 1],
-                order: &[0],
-                row_start: &[0, 1],
-                columns: &[0],
-                diagonal: &[0],
-                stamps: &[[0, Plan::NOWHERE, Plan::NOWHERE, Plan::NOWHERE]],
-                row_of: &[0, Plan::NOWHERE],
-                leaves: &[[Plan::NOWHERE; 2]],
-                terms: &[[0, 1, Plan::NOWHERE], [1, 0, Plan::NOWHERE]],
-                between: &[[0, 1]],
-                ..Plan::EMPTY
-            },
-            climate: Climate::NONE,
-        };
-        let (h, rate) = (0.01f32, 500.0f32);
-        let expected = rate / nodes[0].pressure_per_mass_pa_kg();
-        for method in [Method::ImplicitEuler, Method::TrBdf2] {
-            assert_eq!(check(&network, 10_000), Ok(()));
-            let (state_length, work_length) = sizes(&network);
-            let (mut state, mut work) = (std::vec![0.0; state_length], std::vec![0.0; work_length]);
-            let given = Given { inputs: &[], virtual_k: &[] };
-            start(&network, method, h, &mut state, &mut work, given);
-            let inputs = StageInputs {
-                start: &[],
-                middle: &[],
-                end: &[],
-                virtual_k: &[],
-                supplied: Supplied::default(),
-                rates_pa_s: &[rate, 0.0],
-            };
-            let (_, place) = step::<_, false>(&network, method, h, &mut state, &mut work, inputs);
-            let flow = Work::of(&network, &mut work).passed[0] / h;
-            assert!(
-                place.is_none() && (flow / expected - 1.0).abs() < 0.02,
-                "{method:?}: {flow} of {expected}"
-            );
-        }
-    }
 }
